@@ -1,0 +1,36 @@
+// Reads tests/data/reference; THREELINK_TEST_DATA is the path of tests/data.
+#pragma once
+
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "threelink_sim/swimmer.hpp"
+
+namespace threelink_tests {
+
+inline nlohmann::json reference(const std::string& name) {
+  const std::string path = std::string(THREELINK_TEST_DATA) + "/reference/" + name + ".json";
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error(path + " cannot be read");
+  return nlohmann::json::parse(file);
+}
+
+// A number that is stored as a number or, for its last digits, as a string.
+inline double value(const nlohmann::json& json) {
+  return json.is_string() ? std::stod(json.get<std::string>()) : json.get<double>();
+}
+
+inline Eigen::Vector2d point(const nlohmann::json& x, const nlohmann::json& y) {
+  return {value(x), value(y)};
+}
+
+inline threelink_sim::HingeVector hinges(const nlohmann::json& json) {
+  threelink_sim::HingeVector result(json.size());
+  for (std::size_t j = 0; j < json.size(); ++j) result[j] = value(json[j]);
+  return result;
+}
+
+}  // namespace threelink_tests
