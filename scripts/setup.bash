@@ -1,0 +1,73 @@
+# What threelink needs from the machine, and installing what is missing. Sourced by ../threelink.
+
+noetic=/opt/ros/noetic
+package_state=/var/lib/dpkg/status
+
+if [[ -e $noetic/setup.bash ]]; then # Ubuntu 20.04; its ros-base holds more than Debian's
+  ros_packages=(
+    ros-noetic-{ros-base,rostest,tf2-ros,diagnostic-updater,robot-state-publisher}
+    ros-noetic-{nav,sensor,visualization}-msgs
+  )
+  rviz_packages=(ros-noetic-rviz libgl1-mesa-dri)
+else # Debian 12 brings ROS 1 itself
+  ros_packages=(
+    catkin ros-base rosbash                               # catkin_make, roscpp, rospy, rosrun
+    python3-ros{launch,bag,test} librostest-dev           # launching, recording, testing
+    ros-{std,geometry,nav,sensor,visualization,rosgraph,diagnostic}-msgs
+    lib{std,geometry,nav,sensor,visualization,ros-rosgraph,diagnostic}-msgs-dev
+    libtf2-ros-dev ros-robot-state-publisher              # frames of the swimmer's links
+    libdiagnostic-updater-dev
+    librosbag-dev libtopic-tools-dev                      # recording with our own node
+    libtorch-dev                                          # the trainer
+    python3-{diagnostic-msgs,tf2-ros} liburdfdom-tools    # tests
+  )
+  rviz_packages=(rviz libgl1-mesa-dri)
+fi
+packages=(
+  g++ make cmake git                                      # git: bags name the revision
+  "${ros_packages[@]}"
+  libopenblas0-pthread                                    # without it LibTorch is six times slower
+  libeigen3-dev libcli11-dev libfmt-dev libssl-dev libyaml-cpp-dev nlohmann-json3-dev
+  libgtest-dev                                            # tests
+  python3-numpy python3-matplotlib                        # pictures
+)
+if ! getent hosts localhost >/dev/null; then # a machine without /etc/hosts; ROS looks it up
+  packages+=(libnss-myhostname)
+fi
+
+missing() { # PACKAGE...: those that are not installed, a line each
+  local installed package
+  installed=$(dpkg-query -W -f '${db:Status-Status} ${Package}\n' "$@" 2>/dev/null || true)
+  for package; do
+    if [[ $'\n'$installed$'\n' != *$'\n'"installed $package"$'\n'* ]]; then echo "$package"; fi
+  done
+}
+
+install_missing() { # PACKAGE...
+  if ! command -v dpkg-query >/dev/null; then
+    say "this is not a Debian system, so nothing is installed; the build will tell what it misses"
+    return
+  fi
+  local wanted privileged=()
+  wanted=$(missing "$@")
+  if [[ -z $wanted ]]; then return; fi
+
+  # shellcheck disable=SC2206 # a word each
+  local install=(apt-get install -y --no-install-recommends $wanted)
+  say "these Debian packages are missing (ROS 1, compiler, libraries):"
+  fold -s -w 96 <<<"${wanted//$'\n'/ }" | sed 's/^/  /' >&2
+  if ((EUID)); then
+    if ! command -v sudo >/dev/null; then
+      die "that needs root, and there is no sudo. As root: apt-get update && ${install[*]}"
+    fi
+    say "apt-get installs them now; sudo is used for this step only"
+    sudo -v || die "sudo refused. As root: apt-get update && ${install[*]}"
+    privileged=(sudo)
+  else
+    say "apt-get installs them now"
+  fi
+  privileged+=(env DEBIAN_FRONTEND=noninteractive)
+  quietly "apt-get update" "$root/build/apt-update.log" "${privileged[@]}" apt-get update
+  quietly "apt-get install" "$root/build/apt-install.log" \
+    "${privileged[@]}" "${install[@]}" -o DPkg::Lock::Timeout=300
+}
