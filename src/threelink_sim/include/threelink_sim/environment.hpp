@@ -1,0 +1,67 @@
+// The reinforcement-learning problem on top of the swimmer: observation, reward, start, time limit.
+//
+// A vector of environments in lock-step: lane i is one episode. With one lane it is what the
+// simulator node runs; both are one implementation and agree to the bit.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "threelink_sim/batch.hpp"
+
+namespace threelink_sim {
+
+struct EnvironmentConfig {
+  Model model;
+  double dt = 0.1;            // [T0] action step, in (0, 1]
+  double b = 6.0;             // weight of the progress, > 0
+  double c = 0.0;             // weight of the work, >= 0; 0 is the Velocity-Focused Strategy
+  std::uint32_t steps = 200;  // N_s, time limit of an episode, > 0
+
+  // Throws std::invalid_argument that names field, value and bound.
+  void validate() const;
+};
+
+// Size of the observation "direction": cos theta_d, sin theta_d, alpha_1 .. alpha_{N-1}.
+inline int direction_observation_size(const Model& model) { return 2 + model.hinges(); }
+
+class Environment {
+ public:
+  Environment(const EnvironmentConfig& config, std::size_t lanes,
+              const Kernels& kernels = threelink_sim::kernels());
+
+  const EnvironmentConfig& config() const { return config_; }
+  std::size_t lanes() const { return batch_.size(); }
+  const Batch& batch() const { return batch_; }
+
+  // Starts lane i anew. The direction p = (cos theta_T, sin theta_T) stays (1, 0) until it is set.
+  void reset(std::size_t i, const SwimmerState& state);
+
+  // [1] unit vector to the target; defines the observation and the next step's reward.
+  void set_direction(std::size_t i, const Eigen::Vector2d& p);
+  Eigen::Vector2d direction(std::size_t i) const { return {px_[i], py_[i]}; }
+
+  // The observation "direction" of every lane, component k of lane i at out[k * lanes() + i]:
+  //   cos theta_d = c p_x + s p_y,  sin theta_d = s p_x - c p_y,  (c, s) of the heading.
+  void observe(double* out) const;
+
+  // Rates wanted, hinge j of lane i at [j * lanes() + i], [1/T0]; clipped to [-1, 1] and at the
+  // joint limit. Must be finite. rewards()[i] is then b dx.p - c W of the step.
+  void step(const double* rates);
+  const double* rewards() const { return reward_.data(); }
+
+ private:
+  EnvironmentConfig config_;
+  int substeps_;
+  Batch batch_;
+  std::vector<double> px_, py_, reward_;
+  mutable std::vector<double> sine_, cosine_;
+};
+
+// A start with all orientations free: centroid at the origin, heading uniform in (-pi, pi), hinge
+// angles uniform within the joint limit; keyed by (seed, episode).
+SwimmerState random_start(const Model& model, std::uint64_t seed, std::uint32_t episode);
+
+}  // namespace threelink_sim

@@ -1,0 +1,40 @@
+// From the swimmer's state to messages. threelink_msgs/SwimmerState holds all that is known of a
+// state, without units of measure; the standard messages follow from it, in SI units (REP-103).
+#pragma once
+
+#include <geometry_msgs/PoseStamped.h>
+#include <geometry_msgs/TransformStamped.h>
+#include <sensor_msgs/JointState.h>
+#include <threelink_msgs/SwimmerState.h>
+
+#include "threelink_sim/swimmer.hpp"
+
+namespace threelink_sim {
+
+// What the units of the paper measure.
+struct Scales {
+  double length = 1.0;  // [m] of one L
+  double time = 1.0;    // [s] of one T0
+};
+
+// Fills x_1, theta, alpha and centroid, unrounded: the state can be read back to the bit.
+void to_message(const Model& model, const SwimmerState& state, threelink_msgs::SwimmerState& out);
+
+// Each fills all of `out`, the stamp included; `out` may be used again and again.
+// Joints hinge_1 .. hinge_{N-1}: [rad], [rad/s].
+void to_joint_state(const threelink_msgs::SwimmerState& state, const Scales& scales,
+                    sensor_msgs::JointState& out);
+// Centroid [m] and orientation of the heading link, in `world`.
+void to_pose(const threelink_msgs::SwimmerState& state, const Scales& scales,
+             geometry_msgs::PoseStamped& out);
+// world -> base_link: midpoint [m] and orientation of the heading link.
+void to_transform(const threelink_msgs::SwimmerState& state, const Scales& scales,
+                  geometry_msgs::TransformStamped& out);
+
+// [L] midpoint of link i, from 0.
+Eigen::Vector2d link_midpoint(const threelink_msgs::SwimmerState& state, int i);
+
+// Rotation by an angle [rad] about z.
+geometry_msgs::Quaternion yaw_quaternion(double angle);
+
+}  // namespace threelink_sim

@@ -1,0 +1,54 @@
+// A node's health on /diagnostics, once a second by the wall clock, whatever /clock does.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+#include <ros/steady_timer.h>
+
+namespace threelink_sim {
+
+class Diagnostics {
+ public:
+  using Status = diagnostic_updater::DiagnosticStatusWrapper;
+
+  // Adds the node's own values and its level: `seconds` is the wall time since the last report.
+  using Report = std::function<void(Status& status, double seconds)>;
+
+  // The status is named "NODE: title". Everything runs in the global callback queue.
+  Diagnostics(const std::string& title, const std::string& hardware_id, Report report);
+
+  // Shown under its name, zero at first; to be counted up from any thread.
+  using Counter = std::atomic<std::uint64_t>;
+  // Stays valid as long as this object.
+  Counter& counter(const std::string& name);
+  // The same, and a WARN whenever it has grown since the last report.
+  Counter& refusals(const std::string& name);
+
+  // Publishes now; for the last words before the node ends.
+  void publish() { updater_.force_update(); }
+
+ private:
+  struct Entry {
+    Entry(const std::string& name, bool warns) : name(name), warns(warns) {}
+    std::string name;
+    bool warns;
+    Counter value{0};
+    std::uint64_t reported = 0;
+  };
+
+  void update(Status& status);
+
+  Report report_;
+  std::deque<Entry> entries_;
+  ros::SteadyTime last_;
+  diagnostic_updater::Updater updater_;
+  ros::SteadyTimer timer_;
+};
+
+}  // namespace threelink_sim

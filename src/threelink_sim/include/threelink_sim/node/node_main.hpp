@@ -1,0 +1,43 @@
+// The frame of every node's main(): start, signals, loss of the master, errors, exit status.
+#pragma once
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+namespace threelink_sim {
+
+// Something that the user has to put right: what() says what, and the node exits with kBadInput.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+enum ExitStatus : int {
+  kSuccess = 0,
+  kFailure = 1,      // an error of the node itself
+  kBadInput = 2,     // bad arguments, parameters or files
+  kMasterLost = 75,  // no ROS master, or it went away (EX_TEMPFAIL: worth another try)
+};
+
+struct NodeDescription {
+  std::string name;  // default name of the node
+  std::string help;  // topics, services and parameters, for --help
+};
+
+// Runs body() between ros::start() and ros::shutdown() and returns the exit status: that of body(),
+// or one of the above. body() builds the node and returns soon after running() turns false.
+//   --help           prints the description and returns kSuccess; needs no master
+//   SIGINT, SIGTERM  turn running() false; ROS is up until body() has returned
+//   master           must answer within 5 s at the start; when it has not known this node for 3 s,
+//                    ROS is shut down, running() turns false, and the status is kMasterLost
+int run_node(int argc, char** argv, const NodeDescription& description,
+             const std::function<int()>& body);
+
+// False once the node has to end.
+bool running();
+
+// Serves the global callback queue until the node has to end; returns kSuccess.
+int spin();
+
+}  // namespace threelink_sim

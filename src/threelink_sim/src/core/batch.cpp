@@ -1,0 +1,56 @@
+#include "threelink_sim/batch.hpp"
+
+namespace threelink_sim {
+
+Batch::Batch(const Model& model, std::size_t n, const Kernels& kernels)
+    : model_(model),
+      kernels_(&kernels),
+      n_(n),
+      x_(n),
+      y_(n),
+      heading_(n),
+      alpha_(n * model.hinges()),
+      rates_(n * model.hinges()),
+      displacement_(2 * n),
+      work_(n) {
+  model.validate();
+}
+
+void Batch::set_state(std::size_t i, const SwimmerState& state) {
+  validate(model_, state);
+  x_[i] = state.centroid.x();
+  y_[i] = state.centroid.y();
+  heading_[i] = state.heading;
+  for (int j = 0; j < model_.hinges(); ++j) alpha_[j * n_ + i] = state.alpha[j];
+}
+
+SwimmerState Batch::state(std::size_t i) const {
+  SwimmerState state;
+  state.centroid = {x_[i], y_[i]};
+  state.heading = heading_[i];
+  state.alpha.resize(model_.hinges());
+  for (int j = 0; j < model_.hinges(); ++j) state.alpha[j] = alpha_[j * n_ + i];
+  return state;
+}
+
+void Batch::advance(double dt, int substeps) {
+  AdvanceArgs args;
+  args.model = kernel_model(model_);
+  args.dt = dt;
+  args.substeps = substeps;
+  args.n = args.stride = n_;
+  args.x = x_.data();
+  args.y = y_.data();
+  args.heading = heading_.data();
+  args.alpha = alpha_.data();
+  args.rates = rates_.data();
+  args.displacement = displacement_.data();
+  args.work = work_.data();
+  kernels_->advance(args);
+}
+
+void Batch::heading_sincos(double* sine, double* cosine) const {
+  kernels_->sincos(n_, heading_.data(), sine, cosine);
+}
+
+}  // namespace threelink_sim

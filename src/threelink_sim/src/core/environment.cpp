@@ -1,0 +1,84 @@
+#include "threelink_sim/environment.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "threelink_sim/random.hpp"
+
+namespace threelink_sim {
+
+void EnvironmentConfig::validate() const {
+  model.validate();
+  if (!(dt > 0 && dt <= 1))
+    throw std::invalid_argument(fmt::format("dt = {}: must be in (0, 1]", dt));
+  if (!(b > 0 && b <= 1e6))
+    throw std::invalid_argument(fmt::format("b = {}: must be in (0, 1e6]", b));
+  if (!(c >= 0 && c <= 1e6))
+    throw std::invalid_argument(fmt::format("c = {}: must be in [0, 1e6]", c));
+  if (steps < 1) throw std::invalid_argument(fmt::format("steps = {}: must be at least 1", steps));
+}
+
+Environment::Environment(const EnvironmentConfig& config, std::size_t lanes, const Kernels& kernels)
+    : config_((config.validate(), config)),
+      substeps_(substeps(config.model, config.dt, 1.0)),
+      batch_(config.model, lanes, kernels),
+      px_(lanes, 1.0),
+      py_(lanes, 0.0),
+      reward_(lanes),
+      sine_(lanes),
+      cosine_(lanes) {
+  SwimmerState straight;
+  straight.alpha = HingeVector::Zero(config.model.hinges());
+  for (std::size_t i = 0; i < lanes; ++i) reset(i, straight);
+}
+
+void Environment::reset(std::size_t i, const SwimmerState& state) {
+  batch_.set_state(i, state);
+  px_[i] = 1.0;
+  py_[i] = 0.0;
+  reward_[i] = 0.0;
+}
+
+void Environment::set_direction(std::size_t i, const Eigen::Vector2d& p) {
+  px_[i] = p.x();
+  py_[i] = p.y();
+}
+
+void Environment::observe(double* out) const {
+  const std::size_t n = lanes();
+  batch_.heading_sincos(sine_.data(), cosine_.data());
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i] = cosine_[i] * px_[i] + sine_[i] * py_[i];
+    out[n + i] = sine_[i] * px_[i] - cosine_[i] * py_[i];
+  }
+  for (int j = 0; j < config_.model.hinges(); ++j)
+    std::copy_n(batch_.alpha(j), n, out + (2 + j) * n);
+}
+
+void Environment::step(const double* rates) {
+  const std::size_t n = lanes();
+  for (int j = 0; j < config_.model.hinges(); ++j) {
+    double* wanted = batch_.rates(j);
+    for (std::size_t i = 0; i < n; ++i) wanted[i] = std::clamp(rates[j * n + i], -1.0, 1.0);
+  }
+  batch_.advance(config_.dt, substeps_);
+  const double* dx = batch_.dx();
+  const double* dy = batch_.dy();
+  const double* work = batch_.work();
+  for (std::size_t i = 0; i < n; ++i)
+    reward_[i] = config_.b * (dx[i] * px_[i] + dy[i] * py_[i]) - config_.c * work[i];
+}
+
+SwimmerState random_start(const Model& model, std::uint64_t seed, std::uint32_t episode) {
+  Random random(seed, Stream::kStart, episode);
+  SwimmerState state;
+  state.heading = random.uniform(-kPi, kPi);
+  state.alpha.resize(model.hinges());
+  for (int j = 0; j < model.hinges(); ++j)
+    state.alpha[j] = random.uniform(-model.joint_limit, model.joint_limit);
+  return state;
+}
+
+}  // namespace threelink_sim

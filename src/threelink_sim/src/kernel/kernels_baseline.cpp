@@ -1,0 +1,3 @@
+#define THREELINK_ISA baseline
+#define THREELINK_ISA_NAME "baseline"
+#include "kernels.inc"

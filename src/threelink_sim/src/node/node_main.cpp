@@ -1,0 +1,144 @@
+#include "threelink_sim/node/node_main.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <mutex>
+#include <thread>
+
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+
+namespace threelink_sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler writes it");
+
+void on_signal(int) { stop_requested = true; }
+
+bool master_answers_within(std::chrono::milliseconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!ros::master::check()) {
+    if (stop_requested || std::chrono::steady_clock::now() > deadline) return false;
+    std::this_thread::sleep_for(100ms);
+  }
+  return true;
+}
+
+// Asks the master once a second whether it knows this node. A master that was restarted answers,
+// but has forgotten all registrations, and roscpp does not renew them.
+class MasterWatch {
+ public:
+  MasterWatch() : thread_([this] { watch(); }) {}
+  ~MasterWatch() {
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      ending_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+  }
+  bool lost() const { return lost_; }
+
+ private:
+  static bool registered() {
+    XmlRpc::XmlRpcValue request, response, payload;
+    request[0] = ros::this_node::getName();
+    request[1] = ros::this_node::getName();
+    return ros::master::execute("lookupNode", request, response, payload, false);
+  }
+
+  void watch() {
+    constexpr int kPatience = 3;
+    int failures = 0;
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!wake_.wait_for(lock, 1s, [this] { return ending_; })) {
+      failures = registered() ? 0 : failures + 1;
+      if (failures == kPatience && running()) {
+        ROS_FATAL("the ROS master at %s is gone, or was restarted; this node ends",
+                  ros::master::getURI().c_str());
+        lost_ = true;
+        stop_requested = true;
+        ros::requestShutdown();  // calls to the master that wait for its return give up
+      }
+    }
+  }
+
+  std::atomic<bool> lost_{false};
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool ending_ = false;
+  std::thread thread_;  // last: it uses the others
+};
+
+int run_body(const std::function<int()>& body) {
+  try {
+    return body();
+  } catch (const UsageError& error) {
+    ROS_FATAL("%s", error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    ROS_FATAL("%s", error.what());
+    return kFailure;
+  }
+}
+
+int start_and_run(int argc, char** argv, const NodeDescription& description,
+                  const std::function<int()>& body) {
+  ros::init(argc, argv, description.name, ros::init_options::NoSigintHandler);
+  if (argc > 1) throw UsageError(std::string("unknown argument `") + argv[1] + "`; see --help");
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+  if (!master_answers_within(5s)) {
+    if (stop_requested) return kSuccess;
+    std::cerr << description.name
+              << ": no ROS master answers at ROS_MASTER_URI=" << ros::master::getURI()
+              << "; start roscore, or use roslaunch\n";
+    return kMasterLost;
+  }
+  ros::start();
+  int status;
+  {
+    MasterWatch watch;
+    status = run_body(body);
+    if (watch.lost()) status = kMasterLost;
+  }
+  ros::shutdown();
+  return status;
+}
+
+}  // namespace
+
+int run_node(int argc, char** argv, const NodeDescription& description,
+             const std::function<int()>& body) {
+  for (int i = 1; i < argc; ++i) {
+    if (argv[i] == std::string("--help") || argv[i] == std::string("-h")) {
+      std::cout << description.help;
+      return kSuccess;
+    }
+  }
+  try {
+    return start_and_run(argc, argv, description, body);
+  } catch (const UsageError& error) {
+    std::cerr << description.name << ": " << error.what() << '\n';
+    return kBadInput;
+  } catch (const ros::Exception& error) {  // a bad name or remapping
+    std::cerr << description.name << ": " << error.what() << '\n';
+    return kBadInput;
+  }
+}
+
+bool running() { return !stop_requested && ros::ok(); }
+
+int spin() {
+  while (running()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+  return kSuccess;
+}
+
+}  // namespace threelink_sim

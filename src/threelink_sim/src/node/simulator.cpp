@@ -1,0 +1,298 @@
+#include "simulator.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <ros/callback_queue.h>
+#include <ros/console.h>
+#include <rosgraph_msgs/Clock.h>
+#include <threelink_msgs/EpisodeAbort.h>
+
+#include "threelink_sim/node/topics.hpp"
+
+namespace threelink_sim {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using std::chrono::steady_clock;
+
+// [1/s] of wall time: above it, /clock, joint_states and pose skip steps, so that a simulation at
+// thousands of steps a second does not wake up every node of the graph for each of them.
+constexpr double kStandardRate = 200;
+
+// Bounds of a start state; far beyond any use, and well within what the arithmetic bears.
+constexpr double kMaxStart = 1e6;  // [L] |x_1|, |y_1|
+constexpr double kMaxAngle = 1e4;  // [rad] |theta_1|
+
+ros::Time from_nanoseconds(std::uint64_t stamp) { return ros::Time().fromNSec(stamp); }
+
+}  // namespace
+
+Simulator::Refusals::Refusals(Diagnostics& diagnostics, const std::string& topic,
+                              const std::vector<Verdict>& reasons) {
+  for (Verdict reason : reasons)
+    counters_[reason] = &diagnostics.refusals(topic + " refused: " + to_string(reason));
+}
+
+bool Simulator::Refusals::accept(Verdict verdict) {
+  if (verdict == Verdict::kAccepted) return true;
+  ++*counters_.at(verdict);
+  return false;
+}
+
+Simulator::Simulator(const SimulatorConfig& config)
+    : config_(config),
+      environment_(config.environment, 1),
+      lockstep_(config.lockstep()),
+      diagnostics_("simulation", "threelink_simulator",
+                   [this](Diagnostics::Status& status, double s) { report(status, s); }),
+      refused_rates_(diagnostics_, topics::kHingeRates,
+                     {Verdict::kWrongLength, Verdict::kNotFinite, Verdict::kOutOfRange,
+                      Verdict::kStale, Verdict::kFuture}),
+      refused_targets_(diagnostics_, topics::kTarget,
+                       {Verdict::kNotFinite, Verdict::kStale, Verdict::kFuture}),
+      foreign_targets_(diagnostics_.refusals("target refused: wrong frame")),
+      refused_resets_(diagnostics_.refusals("reset refused")),
+      watchdog_steps_(diagnostics_.counter("watchdog steps")),
+      aborts_(diagnostics_.counter("episodes aborted")),
+      view_(node_, {config.scales, config.environment.dt, config.environment.model.gamma},
+            [this] {
+              std::lock_guard<std::mutex> lock(mutex_);
+              display_throttle_.request();
+            }),
+      standard_throttle_(kStandardRate),
+      display_throttle_(config.display_rate) {
+  constexpr bool kLatch = true;
+  clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>(topics::kClock, 1, kLatch);
+  state_publisher_ = node_.advertise<threelink_msgs::SwimmerState>(topics::kState, 10, kLatch);
+  observation_publisher_ =
+      node_.advertise<threelink_msgs::Observation>(topics::kObservation, 10, kLatch);
+  joint_publisher_ = node_.advertise<sensor_msgs::JointState>(topics::kJointStates, 10);
+  pose_publisher_ = node_.advertise<geometry_msgs::PoseStamped>(topics::kPose, 10);
+  abort_publisher_ = node_.advertise<threelink_msgs::EpisodeAbort>(topics::kAbort, 10);
+
+  publish_clock();
+  observation_.kind = config.observation;
+  observation_.values.resize(direction_observation_size(config.environment.model));
+
+  ros::NodeHandle lockstep_node;
+  if (config.realtime_factor == 0) lockstep_node.setCallbackQueue(&direct_queue_);
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  target_subscriber_ =
+      lockstep_node.subscribe(topics::kTarget, 100, &Simulator::on_target, this, hints);
+  rates_subscriber_ =
+      lockstep_node.subscribe(topics::kHingeRates, 100, &Simulator::on_rates, this, hints);
+  episode_subscriber_ = node_.subscribe(topics::kEpisode, 10, &Simulator::on_episode, this, hints);
+  reset_server_ = node_.advertiseService(topics::kReset, &Simulator::on_reset, this);
+}
+
+int Simulator::run() {
+  // To notice the end of the node, and deadlines that the network thread has set.
+  constexpr auto kPatience = std::chrono::milliseconds(20);
+  while (running()) {
+    std::chrono::duration<double> wait;
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      act();
+      const Time now = steady_clock::now();
+      wait = std::min(deadline(), now + kPatience) - now;
+    }
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(std::max(wait.count(), 0.0)));
+  }
+  return kSuccess;
+}
+
+Lockstep::Time Simulator::deadline() const {
+  return std::min(
+      {lockstep_.deadline(), standard_throttle_.deadline(), display_throttle_.deadline()});
+}
+
+void Simulator::act() {
+  const Time now = steady_clock::now();
+  const Lockstep::Action action = lockstep_.poll(now);
+  if (action == Lockstep::Action::kStep) step(now);
+  if (action == Lockstep::Action::kAbort) abort();
+  if (standard_throttle_.take(now)) publish_standard();
+  if (display_throttle_.take(now)) {
+    if (transform_.header.stamp != state_.header.stamp) {
+      to_transform(state_, config_.scales, transform_);
+      transform_publisher_.sendTransform(transform_);
+    }
+    view_.draw();
+  }
+}
+
+SwimmerState Simulator::start_state(const threelink_msgs::Reset::Request& request) const {
+  const Model& model = config_.environment.model;
+  if (request.random_start) return random_start(model, request.seed, lockstep_.episode() + 1);
+  for (double x : request.x_1)
+    if (!(std::abs(x) <= kMaxStart))
+      throw std::invalid_argument(fmt::format("x_1 = ({}, {}): must be within [-{}, {}] L",
+                                              request.x_1[0], request.x_1[1], kMaxStart,
+                                              kMaxStart));
+  if (!(std::abs(request.theta_1) <= kMaxAngle))
+    throw std::invalid_argument(fmt::format("theta_1 = {}: must be within [-{}, {}] rad",
+                                            request.theta_1, kMaxAngle, kMaxAngle));
+  HingeVector alpha = HingeVector::Zero(model.hinges());
+  if (!request.alpha.empty()) {
+    if (request.alpha.size() != static_cast<std::size_t>(model.hinges()))
+      throw std::invalid_argument(fmt::format("alpha has {} values: {} links have {} hinges",
+                                              request.alpha.size(), model.links, model.hinges()));
+    std::copy(request.alpha.begin(), request.alpha.end(), alpha.data());
+  }
+  SwimmerState shape;
+  shape.alpha = alpha;
+  validate(model, shape);
+  return state_from_free_end(model, {request.x_1[0], request.x_1[1]}, request.theta_1, alpha);
+}
+
+bool Simulator::on_reset(threelink_msgs::Reset::Request& request,
+                         threelink_msgs::Reset::Response& response) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  try {
+    environment_.reset(0, start_state(request));
+  } catch (const std::invalid_argument& error) {
+    ++refused_resets_;
+    response.success = false;
+    response.status = error.what();
+    return true;
+  }
+  abort_reason_.clear();
+  lockstep_.start(steady_clock::now());
+  publish_state();
+  response.success = true;
+  response.status = fmt::format("episode {} started", lockstep_.episode());
+  response.state = state_;
+  return true;
+}
+
+void Simulator::on_target(const geometry_msgs::PointStamped& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (message.header.frame_id != frames::kWorld) {
+    ++foreign_targets_;
+    return;
+  }
+  const Eigen::Vector2d metres(message.point.x, message.point.y);
+  const Eigen::Vector2d target = metres / config_.scales.length;
+  const Verdict verdict =
+      lockstep_.target(message.header.stamp.toNSec(), target.x(), target.y(), steady_clock::now());
+  if (!refused_targets_.accept(verdict)) return;
+  const TargetDirection to_target =
+      target_direction({state_.centroid[0], state_.centroid[1]}, target, environment_.direction(0));
+  environment_.set_direction(0, to_target.p);
+  publish_observation(to_target.distance);
+  view_.set_target(metres);
+}
+
+void Simulator::on_rates(const threelink_msgs::HingeRates& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  refused_rates_.accept(
+      lockstep_.rates(message.episode, message.step, message.rates.data(), message.rates.size()));
+  act();
+}
+
+void Simulator::on_episode(const threelink_msgs::Episode& message) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (message.status != threelink_msgs::Episode::STARTED && message.episode == lockstep_.episode())
+    lockstep_.end();
+}
+
+void Simulator::step(Time now) {
+  environment_.step(lockstep_.command().data());
+  lockstep_.stepped(now);
+  if (lockstep_.watchdog_tripped()) ++watchdog_steps_;
+  ++steps_;
+  publish_state();
+}
+
+void Simulator::abort() {
+  const bool task = lockstep_.phase() == Lockstep::Phase::kAwaitTarget;
+  threelink_msgs::EpisodeAbort message;
+  message.header.stamp = state_.header.stamp;
+  message.episode = lockstep_.episode();
+  message.step = lockstep_.step();
+  message.peer = task ? topics::kTarget : topics::kHingeRates;
+  message.reason =
+      fmt::format("no {} for step {} of episode {} in {} s: the {} is silent", message.peer,
+                  message.step, message.episode, config_.peer_timeout, task ? "task" : "agent");
+  ROS_ERROR("%s", message.reason.c_str());
+  abort_publisher_.publish(message);
+  abort_reason_ = message.reason;
+  ++aborts_;
+  lockstep_.end();
+}
+
+void Simulator::publish_state() {
+  const Model& model = config_.environment.model;
+  const Batch& batch = environment_.batch();
+  const SwimmerState state = batch.state(0);
+  const bool start = lockstep_.step() == 0;
+  HingeVector rates = HingeVector::Zero(model.hinges());
+  if (!start)
+    for (int j = 0; j < model.hinges(); ++j) rates[j] = batch.rates(j)[0];
+
+  state_.header.stamp = from_nanoseconds(lockstep_.stamp());
+  state_.header.frame_id = frames::kWorld;
+  state_.episode = lockstep_.episode();
+  state_.step = lockstep_.step();
+  to_message(model, state, state_);
+  state_.hinge_rates.assign(rates.data(), rates.data() + rates.size());
+  state_.power = body_motion(model, state.alpha, rates).power;
+  state_.work = start ? 0 : batch.work()[0];
+  state_.reward = start ? 0 : environment_.rewards()[0];
+  state_publisher_.publish(state_);
+
+  // The rest while the task works out its answer.
+  standard_throttle_.request();
+  display_throttle_.request();
+  view_.add(state_);
+}
+
+void Simulator::publish_observation(double distance) {
+  const Eigen::Vector2d p = environment_.direction(0);
+  observation_.header.stamp = state_.header.stamp;
+  observation_.episode = state_.episode;
+  observation_.step = state_.step;
+  environment_.observe(observation_.values.data());
+  observation_.theta_t = std::atan2(p.y(), p.x());
+  observation_.distance = distance;
+  observation_publisher_.publish(observation_);
+}
+
+void Simulator::publish_standard() {
+  publish_clock();
+  to_joint_state(state_, config_.scales, joints_);
+  joint_publisher_.publish(joints_);
+  to_pose(state_, config_.scales, pose_);
+  pose_publisher_.publish(pose_);
+}
+
+void Simulator::publish_clock() {
+  rosgraph_msgs::Clock clock;
+  clock.clock = from_nanoseconds(lockstep_.stamp());
+  clock_publisher_.publish(clock);
+}
+
+void Simulator::report(Diagnostics::Status& status, double seconds) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  using Phase = Lockstep::Phase;
+  if (!abort_reason_.empty()) {
+    status.summary(DiagnosticStatus::ERROR, abort_reason_);
+  } else if (lockstep_.phase() == Phase::kIdle) {
+    status.summary(DiagnosticStatus::OK, "idle: waiting for a reset");
+  } else if (lockstep_.watchdog_tripped()) {
+    status.summary(DiagnosticStatus::WARN, "watchdog: hinge rates are late, steps with zero rates");
+  } else {
+    status.summary(DiagnosticStatus::OK, "running");
+  }
+  status.add("episode", lockstep_.episode());
+  status.add("step", lockstep_.step());
+  status.addf("steps per second", "%.1f", steps_ / seconds);
+  status.addf("real-time ratio", "%.3f", steps_ * config_.step_time() / seconds);
+  steps_ = 0;
+}
+
+}  // namespace threelink_sim

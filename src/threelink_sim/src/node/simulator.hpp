@@ -1,0 +1,103 @@
+// The simulator node: the swimmer behind topics. Physics is Environment's, order is Lockstep's;
+// here is only what turns messages into calls and back.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include <geometry_msgs/PointStamped.h>
+#include <ros/node_handle.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <threelink_msgs/Episode.h>
+#include <threelink_msgs/HingeRates.h>
+#include <threelink_msgs/Observation.h>
+#include <threelink_msgs/Reset.h>
+#include <threelink_msgs/SwimmerState.h>
+
+#include "threelink_sim/node/diagnostics.hpp"
+#include "threelink_sim/node/direct_queue.hpp"
+#include "threelink_sim/node/simulator_config.hpp"
+#include "threelink_sim/node/swimmer_view.hpp"
+#include "threelink_sim/node/throttle.hpp"
+
+namespace threelink_sim {
+
+class Simulator {
+ public:
+  explicit Simulator(const SimulatorConfig& config);
+
+  // Serves until the node has to end; returns the exit status.
+  int run();
+
+ private:
+  using Time = Lockstep::Time;
+
+  // Messages refused, by reason.
+  class Refusals {
+   public:
+    Refusals(Diagnostics& diagnostics, const std::string& topic,
+             const std::vector<Verdict>& reasons);
+    // Counts the verdict; true if it is kAccepted.
+    bool accept(Verdict verdict);
+
+   private:
+    std::map<Verdict, Diagnostics::Counter*> counters_;
+  };
+
+  bool on_reset(threelink_msgs::Reset::Request& request, threelink_msgs::Reset::Response& response);
+  void on_target(const geometry_msgs::PointStamped& target);
+  void on_rates(const threelink_msgs::HingeRates& rates);
+  void on_episode(const threelink_msgs::Episode& episode);
+
+  SwimmerState start_state(const threelink_msgs::Reset::Request& request) const;
+  // What is due: the step, the end of the patience with a silent peer, throttled output.
+  void act();
+  Time deadline() const;
+  void step(Time now);
+  void abort();
+  void publish_state();
+  void publish_observation(double distance);
+  void publish_standard();
+  void publish_clock();
+  void report(Diagnostics::Status& status, double seconds);
+
+  // Guards all below: the main thread serves deadlines, service and diagnostics; the lock-step's
+  // messages come in it too, or in the network thread when there is no pace to keep.
+  std::mutex mutex_;
+  DirectQueue direct_queue_;
+
+  SimulatorConfig config_;
+  Environment environment_;
+  Lockstep lockstep_;
+
+  ros::NodeHandle node_;
+  Diagnostics diagnostics_;
+  Refusals refused_rates_, refused_targets_;
+  Diagnostics::Counter& foreign_targets_;
+  Diagnostics::Counter& refused_resets_;
+  Diagnostics::Counter& watchdog_steps_;
+  Diagnostics::Counter& aborts_;
+  std::uint64_t steps_ = 0;   // since the last report
+  std::string abort_reason_;  // of the last episode; empty if it was not aborted
+
+  ros::Publisher clock_publisher_, state_publisher_, observation_publisher_, joint_publisher_,
+      pose_publisher_, abort_publisher_;
+  tf2_ros::TransformBroadcaster transform_publisher_;
+  SwimmerView view_;
+  Throttle standard_throttle_, display_throttle_;
+
+  // Filled anew for each step.
+  threelink_msgs::SwimmerState state_;
+  threelink_msgs::Observation observation_;
+  sensor_msgs::JointState joints_;
+  geometry_msgs::PoseStamped pose_;
+  geometry_msgs::TransformStamped transform_;
+
+  ros::Subscriber target_subscriber_, rates_subscriber_, episode_subscriber_;
+  ros::ServiceServer reset_server_;
+};
+
+}  // namespace threelink_sim

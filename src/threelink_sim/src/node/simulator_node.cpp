@@ -1,0 +1,75 @@
+// Runs the simulator node; see simulator.hpp.
+#include <string>
+
+#include <ros/master.h>
+#include <ros/this_node.h>
+
+#include "simulator.hpp"
+#include "threelink_sim/node/topics.hpp"
+
+namespace threelink_sim {
+namespace {
+
+constexpr char kHelp[] = R"(simulator_node: the swimmer, in lock-step with a task and an agent
+
+usage: rosrun threelink_sim simulator_node [ROS remappings] | --help
+
+Step k: publishes state(k), waits for target(k), publishes observation(k), waits for hinge_rates(k),
+applies them for dt. Idle until the service `reset` starts an episode. docs/nodes.md has the details.
+
+publishes
+  state         threelink_msgs/SwimmerState     every step, latched
+  observation   threelink_msgs/Observation      every step, latched
+  joint_states  sensor_msgs/JointState          every step (*): hinge_1, hinge_2, ...
+  pose          geometry_msgs/PoseStamped       every step (*): centroid, heading
+  abort         threelink_msgs/EpisodeAbort     when a peer was silent for too long
+  markers       visualization_msgs/MarkerArray  at ~display_rate
+  swimmer_path  nav_msgs/Path                   at ~display_rate
+  /tf           world -> base_link              at ~display_rate
+  /clock        rosgraph_msgs/Clock             every step (*)
+  /diagnostics  diagnostic_msgs/DiagnosticArray once a second of wall time
+  (*) at most 200 times a second of wall time, the last step always
+subscribes to
+  target        geometry_msgs/PointStamped      from the task: frame `world`, the state's stamp
+  hinge_rates   threelink_msgs/HingeRates       from the agent
+  episode       threelink_msgs/Episode          from the task: its end makes the simulator idle
+service
+  reset         threelink_msgs/Reset            starts the next episode
+parameters (config/swimmer.yaml is their manual; defaults in brackets)
+  ~links [3]  ~gamma [0.5]  ~joint_limit [2 pi/3 rad]  ~dt [0.1 T0]  ~reward_b [6]  ~reward_c [0]
+  ~observation [direction]  ~length_scale [1 m]  ~time_scale [1 s]  ~realtime_factor [1]
+  ~peer_timeout [10 s]  ~watchdog_periods [3]  ~display_rate [30 /s]
+)";
+
+// There must be one source of simulation time.
+void refuse_second_clock() {
+  XmlRpc::XmlRpcValue request, response, payload;
+  request[0] = ros::this_node::getName();
+  if (!ros::master::execute("getSystemState", request, response, payload, false)) return;
+  XmlRpc::XmlRpcValue& publishers = payload[0];
+  for (int i = 0; i < publishers.size(); ++i) {
+    if (static_cast<std::string&>(publishers[i][0]) != topics::kClock) continue;
+    for (int j = 0; j < publishers[i][1].size(); ++j) {
+      const std::string node = publishers[i][1][j];
+      if (node != ros::this_node::getName())
+        throw UsageError(std::string(topics::kClock) + " is already published by " + node +
+                         ", and there can be one source of time only; end that node (if it is"
+                         " dead: rosnode cleanup)");
+    }
+  }
+}
+
+int run() {
+  Parameters parameters{ros::NodeHandle("~")};
+  const SimulatorConfig config = read_simulator_config(parameters);
+  refuse_second_clock();
+  return Simulator(config).run();
+}
+
+}  // namespace
+}  // namespace threelink_sim
+
+int main(int argc, char** argv) {
+  return threelink_sim::run_node(argc, argv, {"simulator", threelink_sim::kHelp},
+                                 threelink_sim::run);
+}

@@ -1,0 +1,123 @@
+#include "threelink_sim/node/parameters.hpp"
+
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace threelink_sim {
+namespace {
+
+using XmlRpc::XmlRpcValue;
+
+Parameters with(const std::string& name, const XmlRpcValue& value) {
+  XmlRpcValue values;
+  values[name] = value;
+  return Parameters("/node", values);
+}
+
+// What the error says; empty if there was none.
+template <class Call>
+std::string error_of(Call call) {
+  try {
+    call();
+  } catch (const ParameterError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Parameters, TakesWhatIsGivenAndElseTheDefault) {
+  XmlRpcValue values;
+  values["real"] = 0.25;
+  values["whole"] = 3;
+  values["flag"] = true;
+  values["text"] = std::string("abc");
+  Parameters parameters("/node", values);
+  EXPECT_EQ(parameters.real("real", {0, 1}), 0.25);
+  EXPECT_EQ(parameters.real("whole", {0, 3}), 3.0) << "a whole number is a real one";
+  EXPECT_EQ(parameters.integer("whole", {3, 3}), 3);
+  EXPECT_TRUE(parameters.flag("flag"));
+  EXPECT_EQ(parameters.text("text"), "abc");
+  EXPECT_EQ(parameters.choice("text", {"abc", "def"}), "abc");
+  EXPECT_EQ(parameters.real("absent", {0, 1}, 0.5), 0.5);
+  EXPECT_EQ(parameters.integer("absent", {0, 1}, 1), 1);
+  EXPECT_FALSE(parameters.flag("absent", false));
+  EXPECT_EQ(parameters.text("absent", ""), "");
+  EXPECT_NO_THROW(parameters.finish());
+  EXPECT_NO_THROW(Parameters("/node", XmlRpcValue()).finish());
+}
+
+TEST(Parameters, RequiredOnesAreRequired) {
+  Parameters parameters("/node", XmlRpcValue());
+  EXPECT_EQ(error_of([&] { parameters.real("dt", {0, 1}); }), "/node/dt is missing");
+  EXPECT_EQ(error_of([&] { parameters.text("file"); }), "/node/file is missing");
+}
+
+TEST(Parameters, ErrorsNameParameterValueTypeAndBound) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto real = [](const XmlRpcValue& value) {
+    return error_of([&] { with("x", value).real("x", {0, 1}, 0.5); });
+  };
+  EXPECT_EQ(real(1.5), "/node/x = 1.5 (double): must be in [0, 1]");
+  EXPECT_EQ(real(-1), "/node/x = -1 (int): must be in [0, 1]");
+  EXPECT_EQ(real(nan), "/node/x = nan (double): must be finite");
+  EXPECT_EQ(real(infinity), "/node/x = inf (double): must be finite");
+  EXPECT_EQ(real(true), "/node/x = true (bool): must be a number");
+  EXPECT_EQ(real(std::string("fast")), "/node/x = \"fast\" (string): must be a number");
+  XmlRpcValue list, dictionary;
+  list[0] = 1.0;
+  dictionary["y"] = 1.0;
+  EXPECT_EQ(real(list), "/node/x = a list: must be a number");
+  EXPECT_EQ(real(dictionary), "/node/x = a dictionary: must be a number");
+
+  const auto integer = [](const XmlRpcValue& value) {
+    return error_of([&] { with("x", value).integer("x", {2, 32}, 3); });
+  };
+  EXPECT_EQ(integer(33), "/node/x = 33 (int): must be in [2, 32]");
+  EXPECT_EQ(integer(3.0), "/node/x = 3 (double): must be a whole number");
+  EXPECT_EQ(error_of([&] { with("x", 1).flag("x"); }), "/node/x = 1 (int): must be true or false");
+  EXPECT_EQ(error_of([&] { with("x", 1).text("x"); }), "/node/x = 1 (int): must be text");
+  EXPECT_EQ(error_of([&] {
+              with("x", std::string("up")).choice("x", {"left", "right"});
+            }),
+            "/node/x = \"up\" (string): must be one of: left, right");
+}
+
+TEST(Parameters, NumbersThatYamlTookForTextComeWithAdvice) {
+  const auto advice = [](const char* text) {
+    const std::string error = error_of([&] { with("x", std::string(text)).real("x", {0, 1}); });
+    const std::string start = std::string("/node/x = \"") + text + "\" (string): must be a number";
+    EXPECT_EQ(error.substr(0, start.size()), start);
+    return error.substr(start.size());
+  };
+  EXPECT_EQ(advice("1e-3"), "; write 1.0e-3, which YAML takes for a number");
+  EXPECT_EQ(advice("-2E-05"), "; write -2.0E-05, which YAML takes for a number");
+  EXPECT_EQ(advice("1.5e3"), "; write 1.5e+3, which YAML takes for a number");
+  EXPECT_EQ(advice("0.5"), "; write it without quotes");
+  EXPECT_EQ(advice("nan"), "");
+  EXPECT_EQ(advice(""), "");
+  EXPECT_EQ(advice("1e-3x"), "");
+}
+
+TEST(Parameters, UnknownOnesAreRefusedWithTheNearestName) {
+  Parameters parameters = with("lenght_scale", 2.0);
+  parameters.real("time_scale", {0, 10}, 1);
+  parameters.real("length_scale", {0, 10}, 1);
+  EXPECT_EQ(error_of([&] { parameters.finish(); }),
+            "/node/lenght_scale: no such parameter; the nearest one is /node/length_scale");
+}
+
+TEST(Parameters, AValueInPlaceOfTheDictionaryIsRefused) {
+  EXPECT_EQ(error_of([] { Parameters("/node", XmlRpcValue(3)); }),
+            "/node = 3 (int): must be a dictionary of this node's parameters");
+}
+
+TEST(Parameters, RefuseNamesTheValue) {
+  EXPECT_EQ(error_of([] { with("file", std::string("a.b")).refuse("file", "cannot be read"); }),
+            "/node/file = \"a.b\" (string): cannot be read");
+}
+
+}  // namespace
+}  // namespace threelink_sim
