@@ -15,11 +15,12 @@ else # Debian 12 brings ROS 1 itself
     python3-ros{launch,bag,test} librostest-dev           # launching, recording, testing
     ros-{std,geometry,nav,sensor,visualization,rosgraph,diagnostic}-msgs
     lib{std,geometry,nav,sensor,visualization,ros-rosgraph,diagnostic}-msgs-dev
+    python3-{geometry,nav,sensor,visualization,diagnostic}-msgs # rostopic echo
     libtf2-ros-dev ros-robot-state-publisher              # frames of the swimmer's links
     libdiagnostic-updater-dev
     librosbag-dev libtopic-tools-dev                      # recording with our own node
     libtorch-dev                                          # the trainer
-    python3-{diagnostic-msgs,tf2-ros} liburdfdom-tools    # tests
+    python3-tf2-ros liburdfdom-tools                      # tests
   )
   rviz_packages=(rviz libgl1-mesa-dri)
 fi
