@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <ros/param.h>
 
+#include "threelink_sim/nearest_name.hpp"
+
 namespace threelink_sim {
 namespace {
 
@@ -59,22 +61,6 @@ std::string advice_on_text(const std::string& text) {
   if (mantissa.find('.') == std::string::npos) mantissa += ".0";
   if (std::isdigit(exponent[1])) exponent.insert(1, "+");
   return fmt::format("; write {}{}, which YAML takes for a number", mantissa, exponent);
-}
-
-// Levenshtein distance.
-std::size_t edits(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row.back();
 }
 
 XmlRpcValue values_under(const std::string& scope) {
@@ -174,12 +160,9 @@ void Parameters::finish() const {
     const std::string& name = item.first;
     if (known_.count(name)) continue;
     if (known_.empty()) throw ParameterError(fmt::format("{}/{}: no such parameter", scope_, name));
-    const auto nearest = std::min_element(known_.begin(), known_.end(),
-                                          [&](const std::string& a, const std::string& b) {
-                                            return edits(name, a) < edits(name, b);
-                                          });
     throw ParameterError(fmt::format("{}/{}: no such parameter; the nearest one is {}/{}", scope_,
-                                     name, scope_, *nearest));
+                                     name, scope_,
+                                     nearest_name(name, {known_.begin(), known_.end()})));
   }
 }
 

@@ -1,0 +1,96 @@
+// A policy: the actor network, what it observes and for which swimmer it was trained.
+//
+// The file is a safetensors container; docs/learning.md gives the format and ten lines of numpy
+// that read it.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "threelink_agent/mlp.hpp"
+#include "threelink_sim/environment.hpp"
+
+namespace threelink_agent {
+
+// A file that is no policy, or not one for this swimmer; what() names the file and the reason.
+class PolicyError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Symmetry that the policy uses outside the network.
+enum class Symmetry {
+  kNone,
+  // Swapping the two ends, N odd (symmetry.hpp). If cos theta_d < 0 the network sees the swimmer
+  // from its other end,
+  // (-cos, -sin, -alpha_{N-1}, .., -alpha_1), and its rates are swapped back, r_j = -r'_{N-j}.
+  kReversal,
+};
+std::string to_string(Symmetry symmetry);           // "none", "reversal"
+Symmetry symmetry_from_string(const std::string&);  // throws std::invalid_argument
+
+struct PolicyMetadata {
+  std::string observation = "direction";  // kind of the observation
+  std::string action = "hinge_rates";
+  int links = 3;       // N
+  double dt = 0.1;     // [T0] action step it was trained for
+  double gamma = 0.5;  // drag ratio it was trained for
+  Symmetry symmetry = Symmetry::kNone;
+  std::string config;  // YAML: the whole effective training configuration
+
+  // Throws std::invalid_argument that names field, value and bound.
+  void validate() const;
+  int observation_size() const;
+  // Links, drag ratio and step; the rest is the default.
+  threelink_sim::EnvironmentConfig environment() const;
+};
+
+class Policy {
+ public:
+  // log_std (N-1): logarithm of the standard deviation of the sampled rates. Throws PolicyError if
+  // metadata, shapes and values do not fit each other.
+  Policy(PolicyMetadata metadata, Mlp actor, Eigen::VectorXf log_std);
+
+  // Both check format, hashes, shapes and every number, and throw PolicyError naming the file (or
+  // `source`), the tensor, its shape and the one expected.
+  static Policy load(const std::string& path);
+  static Policy parse(const std::string& bytes, const std::string& source);
+
+  // The file's bytes; save() puts them into a file by write_file() and throws FileError.
+  const std::string& serialize() const { return bytes_; }
+  void save(const std::string& path) const;
+
+  const PolicyMetadata& metadata() const { return metadata_; }
+  const Mlp& actor() const { return actor_; }
+  const Eigen::VectorXf& log_std() const { return log_std_; }
+  const std::string& sha256() const { return sha256_; }     // of the data part, 64 hex digits
+  std::string id() const { return sha256_.substr(0, 16); }  // what hinge_rates carry
+
+  int observation_size() const { return actor_.inputs(); }
+  int hinges() const { return actor_.outputs(); }
+
+  // Mean action of one observation (observation_size()) -> rates (hinges()) [1/T0], clipped to
+  // [-1, 1]; finite for observations within +- kMaxObservation. Does not allocate.
+  void act(const double* observation, double* rates) const;
+
+  // Of n observations, component k of lane i at [k * n + i]; the same bits as act() for each lane.
+  // scratch is resized as needed and can be kept between calls.
+  void act(std::size_t n, const double* observations, double* rates,
+           std::vector<float>& scratch) const;
+
+ private:
+  PolicyMetadata metadata_;
+  Mlp actor_;
+  Eigen::VectorXf log_std_;
+  std::string bytes_, sha256_;
+};
+
+// Bounds on the numbers of an observation and of a policy file: far beyond any in use, and within
+// them no sum of the network overflows.
+constexpr double kMaxObservation = 1e6;
+constexpr float kMaxParameter = 1e6F;
+
+}  // namespace threelink_agent

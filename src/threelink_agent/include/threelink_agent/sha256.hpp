@@ -1,0 +1,12 @@
+// SHA-256 (FIPS 180-4), by OpenSSL.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace threelink_agent {
+
+// 64 lower-case hex digits.
+std::string sha256(std::string_view bytes);
+
+}  // namespace threelink_agent

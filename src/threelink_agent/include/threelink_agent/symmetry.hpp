@@ -1,0 +1,44 @@
+// The two symmetries of the swimmer, applied to many observations "direction" and rates at once.
+//
+// Observation of N links, component k of sample i at [k * stride + i]:
+// cos theta_d, sin theta_d, alpha_1 .. alpha_{N-1}; rates likewise, r_1 .. r_{N-1}.
+//
+//   mirror    reflection across the target's direction:
+//             (c, s, alpha_j) -> (c, -s, -alpha_j),               r_j -> -r_j
+//   reversal  calling the last link the first (N odd, so that the heading link is the middle one):
+//             (c, s, alpha_j) -> (-c, -s, -alpha_{N-j}),          r_j -> -r_{N-j}
+//
+// Either maps a motion to a motion with the same rewards. Both are their own inverse.
+#pragma once
+
+#include <cstddef>
+
+namespace threelink_agent {
+
+template <class Real>
+void mirror_observation(Real* observation, int hinges, std::size_t stride, std::size_t i) {
+  for (int k = 1; k < 2 + hinges; ++k) observation[k * stride + i] = -observation[k * stride + i];
+}
+
+template <class Real>
+void mirror_rates(Real* rates, int hinges, std::size_t stride, std::size_t i) {
+  for (int j = 0; j < hinges; ++j) rates[j * stride + i] = -rates[j * stride + i];
+}
+
+template <class Real>
+void reverse_rates(Real* rates, int hinges, std::size_t stride, std::size_t i) {
+  for (int j = 0, last = hinges - 1; j <= last; ++j, --last) {
+    const Real first = rates[j * stride + i];
+    rates[j * stride + i] = -rates[last * stride + i];
+    rates[last * stride + i] = -first;
+  }
+}
+
+template <class Real>
+void reverse_observation(Real* observation, int hinges, std::size_t stride, std::size_t i) {
+  observation[i] = -observation[i];
+  observation[stride + i] = -observation[stride + i];
+  reverse_rates(observation + 2 * stride, hinges, stride, i);  // angles and rates turn alike
+}
+
+}  // namespace threelink_agent

@@ -1,0 +1,37 @@
+// How much better an action was than expected (Schulman et al. 2016, arXiv:1506.02438).
+#pragma once
+
+#include <vector>
+
+namespace threelink_agent {
+
+struct AdvantageSettings {
+  double discount;  // Gamma
+  double lambda;
+  // An episode that ran into the time limit has a future: its last state counts with its value.
+  // Without it the time limit is a true end, and a critic that cannot see the time goes astray.
+  bool bootstrap_at_time_limit;
+};
+
+struct Advantages {
+  std::vector<float> advantages;  // (steps, episodes)
+  std::vector<float> returns;     // (steps, episodes) what the critic should have said
+};
+
+// Generalised advantage estimation over `episodes` episodes of `steps` steps side by side; element
+// (t, i) of each array at [t * episodes + i].
+//
+//   delta_t = r_t + Gamma V_{t+1} - V_t,   A_t = delta_t + Gamma lambda A_{t+1},   R_t = A_t + V_t
+//
+// with A_{steps} = 0, and V_{steps} = 0 if the time limit does not bootstrap. lambda = 1 without
+// bootstrap is the paper's R_k - V_k with Monte-Carlo returns.
+//
+// rewards (steps, episodes), values (steps + 1, episodes).
+Advantages generalised_advantages(int steps, int episodes, const std::vector<float>& rewards,
+                                  const std::vector<float>& values,
+                                  const AdvantageSettings& settings);
+
+// To mean 0 and standard deviation 1; constant ones become 0.
+void normalise(std::vector<float>& advantages);
+
+}  // namespace threelink_agent

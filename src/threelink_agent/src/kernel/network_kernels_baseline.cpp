@@ -1,0 +1,2 @@
+#define THREELINK_ISA baseline
+#include "network_kernels.inc"

@@ -1,0 +1,163 @@
+#include "agent.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <ros/console.h>
+
+#include "threelink_sim/node/topics.hpp"
+
+namespace threelink_agent {
+namespace {
+
+namespace topics = threelink_sim::topics;
+using diagnostic_msgs::DiagnosticStatus;
+
+// The swimmer that a policy is for, and the shapes that follow from it.
+std::string swimmer(const Policy& policy) {
+  const auto& first = policy.actor().layers().front().weight;
+  const auto& last = policy.actor().layers().back().weight;
+  return fmt::format(
+      "observation \"{}\" of {} links: first weight of shape ({}, {}), last of ({}, {})",
+      policy.metadata().observation, policy.metadata().links, first.rows(), first.cols(),
+      last.rows(), last.cols());
+}
+
+bool same_swimmer(const Policy& a, const Policy& b) {
+  return a.metadata().links == b.metadata().links &&
+         a.metadata().observation == b.metadata().observation;
+}
+
+}  // namespace
+
+Agent::Agent(Policy policy, const std::string& source)
+    : policy_(std::move(policy)),
+      source_(source),
+      diagnostics_("policy", "threelink_agent",
+                   [this](Diagnostics::Status& status, double s) { report(status, s); }),
+      wrong_kind_(diagnostics_.refusals("observation refused: wrong kind")),
+      wrong_length_(diagnostics_.refusals("observation refused: wrong length")),
+      out_of_range_(diagnostics_.refusals("observation refused: out of range")),
+      refused_policies_(diagnostics_.refusals("policies refused")),
+      loaded_policies_(diagnostics_.counter("policies loaded")) {
+  rates_.policy = policy_.id();
+  rates_.rates.resize(policy_.hinges());
+  constexpr bool kLatch = true;
+  rates_publisher_ = node_.advertise<threelink_msgs::HingeRates>(topics::kHingeRates, 10, kLatch);
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  ros::NodeHandle direct_node;
+  direct_node.setCallbackQueue(&direct_queue_);
+  observation_subscriber_ =
+      direct_node.subscribe(topics::kObservation, 100, &Agent::on_observation, this, hints);
+  policy_subscriber_ = node_.subscribe(topics::kPolicy, 1, &Agent::on_policy, this);
+  load_server_ = node_.advertiseService(topics::kLoadPolicy, &Agent::on_load, this);
+  ROS_INFO("policy %s from %s", policy_.id().c_str(), source_.c_str());
+}
+
+void Agent::on_observation(const threelink_msgs::Observation& observation) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (!acceptable(observation)) return;
+  rates_.header.stamp = observation.header.stamp;
+  rates_.header.frame_id = observation.header.frame_id;
+  rates_.episode = observation.episode;
+  rates_.step = observation.step;
+  policy_.act(observation.values.data(), rates_.rates.data());
+  rates_publisher_.publish(rates_);
+  ++answers_;
+  latency_.add(std::chrono::steady_clock::now() - begin);
+}
+
+bool Agent::acceptable(const threelink_msgs::Observation& observation) {
+  const PolicyMetadata& metadata = policy_.metadata();
+  std::string reason;
+  if (observation.kind != metadata.observation) {
+    ++wrong_kind_;
+    reason = fmt::format("observation \"{}\", but policy {} takes \"{}\"", observation.kind,
+                         policy_.id(), metadata.observation);
+  } else if (observation.values.size() != static_cast<std::size_t>(policy_.observation_size())) {
+    ++wrong_length_;
+    reason = fmt::format("observation of {} values, but policy {} takes {} ({} links)",
+                         observation.values.size(), policy_.id(), policy_.observation_size(),
+                         metadata.links);
+  } else {
+    for (double value : observation.values) {
+      if (std::abs(value) <= kMaxObservation) continue;
+      ++out_of_range_;
+      reason = fmt::format("observation with the value {}: must be finite and within +-{}", value,
+                           kMaxObservation);
+      break;
+    }
+  }
+  if (reason != refused_observation_) {
+    if (!reason.empty()) ROS_ERROR("refused: %s", reason.c_str());
+    refused_observation_ = reason;
+  }
+  return reason.empty();
+}
+
+template <class Load>
+bool Agent::replace(const std::string& source, Load load, std::string& status) {
+  try {
+    Policy policy = load();  // while the old one goes on answering
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (!same_swimmer(policy, policy_))
+      throw PolicyError(fmt::format("{}: it is for {}; the one in use is for {}", source,
+                                    swimmer(policy), swimmer(policy_)));
+    policy_ = std::move(policy);
+    source_ = source;
+    rates_.policy = policy_.id();
+  } catch (const PolicyError& error) {
+    ++refused_policies_;
+    refused_policy_ = error.what();
+    status =
+        fmt::format("refused: {}; policy {} from {} stays", error.what(), policy_.id(), source_);
+    ROS_ERROR("%s", status.c_str());
+    return false;
+  }
+  ++loaded_policies_;
+  refused_policy_.clear();
+  status = fmt::format("policy {} from {} is in use", policy_.id(), source_);
+  ROS_INFO("%s", status.c_str());
+  return true;
+}
+
+void Agent::on_policy(const threelink_msgs::PolicyWeights& weights) {
+  const std::string source = fmt::format("topic {}, version {}", topics::kPolicy, weights.version);
+  std::string status;
+  replace(
+      source,
+      [&] {
+        return Policy::parse({weights.data.begin(), weights.data.end()}, source);
+      },
+      status);
+}
+
+bool Agent::on_load(threelink_msgs::LoadPolicy::Request& request,
+                    threelink_msgs::LoadPolicy::Response& response) {
+  response.success = replace(
+      request.file, [&] { return Policy::load(request.file); }, response.status);
+  response.sha256 = policy_.sha256();
+  return true;
+}
+
+void Agent::report(Diagnostics::Status& status, double seconds) {
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (!refused_observation_.empty())
+    status.summary(DiagnosticStatus::ERROR, refused_observation_);
+  else if (!refused_policy_.empty())
+    status.summary(DiagnosticStatus::WARN, "policy refused: " + refused_policy_);
+  else
+    status.summary(DiagnosticStatus::OK, answers_ > 0 ? "answering" : "idle");
+  status.add("policy", source_);
+  status.add("policy sha256", policy_.sha256());
+  status.addf("answers per second", "%.1f", answers_ / seconds);
+  status.addf("latency p50 [us]", "%.1f", latency_.quantile(0.5));
+  status.addf("latency p99 [us]", "%.1f", latency_.quantile(0.99));
+  answers_ = 0;
+  latency_.clear();
+}
+
+}  // namespace threelink_agent

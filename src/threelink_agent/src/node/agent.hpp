@@ -1,0 +1,67 @@
+// The agent node: a policy behind topics. It keeps no state between observations, so that it can be
+// restarted at any moment and answers a repeated observation as before.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+#include <ros/node_handle.h>
+#include <threelink_msgs/HingeRates.h>
+#include <threelink_msgs/LoadPolicy.h>
+#include <threelink_msgs/Observation.h>
+#include <threelink_msgs/PolicyWeights.h>
+
+#include "latency.hpp"
+#include "threelink_agent/policy.hpp"
+#include "threelink_sim/node/diagnostics.hpp"
+#include "threelink_sim/node/direct_queue.hpp"
+
+namespace threelink_agent {
+
+class Agent {
+ public:
+  // source: where the policy came from, for diagnostics.
+  Agent(Policy policy, const std::string& source);
+
+ private:
+  using Diagnostics = threelink_sim::Diagnostics;
+
+  // Answers without allocating, but for what roscpp does.
+  void on_observation(const threelink_msgs::Observation& observation);
+  void on_policy(const threelink_msgs::PolicyWeights& weights);
+  bool on_load(threelink_msgs::LoadPolicy::Request& request,
+               threelink_msgs::LoadPolicy::Response& response);
+
+  bool acceptable(const threelink_msgs::Observation& observation);
+  // Puts the policy that load() returns in the place of the old one, unless load() throws or it is
+  // for another swimmer; returns what became of it.
+  template <class Load>
+  bool replace(const std::string& source, Load load, std::string& status);
+  void report(Diagnostics::Status& status, double seconds);
+
+  // Observations are answered in roscpp's network thread (see direct_queue.hpp), all else in the
+  // node's own: this guards what both use, down to rates_.
+  std::mutex mutex_;
+  Policy policy_;
+  std::string source_;
+  std::string refused_observation_, refused_policy_;  // why the last one was; empty if it was not
+
+  threelink_msgs::HingeRates rates_;  // filled anew for each observation
+  std::uint64_t answers_ = 0;         // since the last report
+  Latency latency_;                   // likewise, from callback to published
+
+  threelink_sim::DirectQueue direct_queue_;
+  ros::NodeHandle node_;
+  Diagnostics diagnostics_;
+  Diagnostics::Counter& wrong_kind_;
+  Diagnostics::Counter& wrong_length_;
+  Diagnostics::Counter& out_of_range_;
+  Diagnostics::Counter& refused_policies_;
+  Diagnostics::Counter& loaded_policies_;
+  ros::Publisher rates_publisher_;
+  ros::Subscriber observation_subscriber_, policy_subscriber_;
+  ros::ServiceServer load_server_;
+};
+
+}  // namespace threelink_agent

@@ -1,0 +1,51 @@
+// Runs the agent node; see agent.hpp.
+#include <string>
+
+#include "agent.hpp"
+#include "threelink_sim/node/node_main.hpp"
+#include "threelink_sim/node/parameters.hpp"
+
+namespace threelink_agent {
+namespace {
+
+constexpr char kHelp[] = R"(agent_node: answers each observation with the policy's mean action
+
+usage: rosrun threelink_agent agent_node _policy:=FILE [ROS remappings] | --help
+
+publishes
+  hinge_rates   threelink_msgs/HingeRates       an answer to each observation, latched
+  /diagnostics  diagnostic_msgs/DiagnosticArray once a second of wall time
+subscribes to
+  observation   threelink_msgs/Observation      from the simulator
+  policy        threelink_msgs/PolicyWeights    from the learner: a policy to go on with
+service
+  load_policy   threelink_msgs/LoadPolicy       a policy file to go on with
+parameters
+  ~policy       path of a policy file, required
+
+A policy that is damaged or for another swimmer is refused, and the one in use stays.
+docs/nodes.md has the details, docs/learning.md the format of the file.
+)";
+
+int run() {
+  threelink_sim::Parameters parameters{ros::NodeHandle("~")};
+  const std::string path = parameters.text("policy");
+  parameters.finish();
+  const auto load = [&] {
+    try {
+      return Policy::load(path);
+    } catch (const PolicyError& error) {
+      parameters.refuse("policy", error.what());
+    }
+  };
+  Agent agent(load(), path);
+  return threelink_sim::spin();
+}
+
+}  // namespace
+}  // namespace threelink_agent
+
+int main(int argc, char** argv) {
+  return threelink_sim::run_node(argc, argv, {"agent", threelink_agent::kHelp},
+                                 threelink_agent::run);
+}

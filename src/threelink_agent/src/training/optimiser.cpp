@@ -1,0 +1,46 @@
+#include "threelink_agent/training/optimiser.hpp"
+
+#include <algorithm>
+
+namespace threelink_agent {
+namespace {
+
+torch::Tensor flattened(const std::vector<torch::Tensor>& parameters) {
+  torch::NoGradGuard no_grad;
+  std::vector<torch::Tensor> pieces;
+  for (const torch::Tensor& parameter : parameters) pieces.push_back(parameter.flatten());
+  return torch::cat(pieces);
+}
+
+}  // namespace
+
+FlatAdam::FlatAdam(const std::vector<torch::Tensor>& parameters, double max_gradient_norm)
+    : values_(flattened(parameters)),
+      max_gradient_norm_(max_gradient_norm),
+      adam_({values_}, torch::optim::AdamOptions()) {
+  values_.mutable_grad() = torch::zeros_like(values_);
+  std::int64_t offset = 0;
+  for (torch::Tensor parameter : parameters) {
+    const auto view = [&](const torch::Tensor& flat) {
+      return flat.narrow(0, offset, parameter.numel()).view(parameter.sizes());
+    };
+    parameter.set_data(view(values_));
+    parameter.mutable_grad() = view(values_.grad());
+    offset += parameter.numel();
+  }
+}
+
+void FlatAdam::set_learning_rate(double rate) {
+  static_cast<torch::optim::AdamOptions&>(adam_.param_groups()[0].options()).lr(rate);
+}
+
+void FlatAdam::descend(const torch::Tensor& loss) {
+  torch::Tensor gradient = values_.grad();
+  gradient.zero_();
+  loss.backward();  // adds to the views
+  const double norm = gradient.norm().item<double>();
+  if (norm > max_gradient_norm_) gradient.mul_(max_gradient_norm_ / norm);
+  adam_.step();
+}
+
+}  // namespace threelink_agent

@@ -1,0 +1,197 @@
+// Reading and writing a TrainConfig as YAML, both from one list of its keys.
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "threelink_agent/training/train_config.hpp"
+#include "threelink_sim/nearest_name.hpp"
+
+namespace threelink_agent {
+namespace {
+
+// The keys, dots for nesting, each with the field that it sets.
+template <class Config, class Visitor>
+void visit_fields(Config& config, Visitor&& visit) {
+  visit("seed", config.seed);
+  visit("episodes", config.episodes);
+  visit("evaluate_every", config.evaluate_every);
+  visit("environment.links", config.environment.model.links);
+  visit("environment.gamma", config.environment.model.gamma);
+  visit("environment.dt", config.environment.dt);
+  visit("environment.b", config.environment.b);
+  visit("environment.c", config.environment.c);
+  visit("environment.steps", config.environment.steps);
+  visit("hidden", config.hidden);
+  visit("symmetry.canonical", config.symmetry.canonical);
+  visit("symmetry.mirror", config.symmetry.mirror);
+  visit("exploration.learned", config.exploration.learned);
+  visit("exploration.std", config.exploration.std);
+  if (!config.exploration.learned) {
+    visit("exploration.std_final", config.exploration.std_final);
+    visit("exploration.decay_fraction", config.exploration.decay_fraction);
+  }
+  visit("advantage.discount", config.advantage.discount);
+  visit("advantage.lambda", config.advantage.lambda);
+  visit("advantage.bootstrap_at_time_limit", config.advantage.bootstrap_at_time_limit);
+  visit("advantage.normalise", config.advantage.normalise);
+  visit("update.episodes", config.update.episodes);
+  visit("update.epochs", config.update.epochs);
+  visit("update.minibatch", config.update.minibatch);
+  visit("update.clip", config.update.clip);
+  visit("update.entropy_weight", config.update.entropy_weight);
+  visit("update.max_gradient_norm", config.update.max_gradient_norm);
+  visit("update.actor_learning_rate", config.update.actor_learning_rate);
+  visit("update.critic_learning_rate", config.update.critic_learning_rate);
+  visit("update.final_learning_rate", config.update.final_learning_rate);
+}
+
+// --- Reading -------------------------------------------------------------------------------------
+
+using Leaves = std::map<std::string, YAML::Node>;
+
+void flatten(const YAML::Node& map, const std::string& prefix, Leaves& leaves) {
+  for (const auto& entry : map) {
+    if (!entry.first.IsScalar()) throw ConfigError(prefix + "...: a key must be a word");
+    const std::string key = prefix + entry.first.Scalar();
+    if (entry.second.IsMap()) {
+      flatten(entry.second, key + ".", leaves);
+    } else if (!leaves.emplace(key, entry.second).second) {
+      throw ConfigError(key + ": given twice");
+    }
+  }
+}
+
+std::string shown(const YAML::Node& node) {
+  std::ostringstream text;
+  text << node;
+  return text.str();
+}
+
+// yaml-cpp converts the contents of quotes too; a quoted number is a string.
+template <class Value>
+Value scalar(const std::string& key, const YAML::Node& node, const char* type) {
+  Value value;
+  if (!node.IsScalar() || node.Tag() == "!" || !YAML::convert<Value>::decode(node, value))
+    throw ConfigError(fmt::format("{} = {}: must be {}", key, shown(node), type));
+  return value;
+}
+
+void read(const std::string& key, const YAML::Node& node, double& field) {
+  field = scalar<double>(key, node, "a number");
+}
+
+void read(const std::string& key, const YAML::Node& node, bool& field) {
+  field = scalar<bool>(key, node, "true or false");
+}
+
+// Through a signed type: the streams under yaml-cpp read -1 as a large unsigned number.
+template <class Integer>
+std::enable_if_t<std::is_integral_v<Integer>> read(const std::string& key, const YAML::Node& node,
+                                                   Integer& field) {
+  const auto value = scalar<std::int64_t>(key, node, "a whole number below 2^63");
+  field = static_cast<Integer>(value);
+  if (static_cast<std::int64_t>(field) != value || (std::is_unsigned_v<Integer> && value < 0))
+    throw ConfigError(fmt::format("{} = {}: must be in [{}, {}]", key, value,
+                                  std::numeric_limits<Integer>::min(),
+                                  std::numeric_limits<Integer>::max()));
+}
+
+void read(const std::string& key, const YAML::Node& node, std::vector<int>& field) {
+  if (!node.IsSequence())
+    throw ConfigError(fmt::format("{} = {}: must be a list of whole numbers", key, shown(node)));
+  field.assign(node.size(), 0);
+  for (std::size_t i = 0; i < field.size(); ++i)
+    read(fmt::format("{}[{}]", key, i), node[i], field[i]);
+}
+
+void read(const std::string& key, const YAML::Node& node, Symmetry& field) {
+  try {
+    field = symmetry_from_string(scalar<std::string>(key, node, "a word"));
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError(fmt::format("{} = {}: {}", key, shown(node), error.what()));
+  }
+}
+
+TrainConfig read(const YAML::Node& root) {
+  if (!root.IsMap()) throw ConfigError("must be a map of keys to values");
+  Leaves leaves;
+  flatten(root, "", leaves);
+  TrainConfig config;
+  std::vector<std::string> known, missing;
+  visit_fields(config, [&](const char* key, auto& field) {
+    known.push_back(key);
+    const auto leaf = leaves.find(key);
+    if (leaf == leaves.end()) {
+      missing.push_back(key);
+    } else {
+      read(key, leaf->second, field);
+      leaves.erase(leaf);
+    }
+  });
+  if (!leaves.empty())
+    throw ConfigError(fmt::format("{}: unknown key (the nearest known one is {})",
+                                  leaves.begin()->first,
+                                  threelink_sim::nearest_name(leaves.begin()->first, known)));
+  if (!missing.empty()) throw ConfigError(missing.front() + ": missing");
+  config.validate();
+  return config;
+}
+
+// --- Writing -------------------------------------------------------------------------------------
+
+template <class Integer>
+std::string written(const Integer& value) {
+  return fmt::format("{}", value);
+}
+std::string written(Symmetry value) { return to_string(value); }
+std::string written(const std::vector<int>& value) {
+  return fmt::format("[{}]", fmt::join(value, ", "));
+}
+
+// The shortest text that reads back to the same number, with the point without which ROS 1 takes
+// "6" for a whole number and "1e-05" for a string.
+std::string written(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find('.') == std::string::npos) text.insert(std::min(text.find('e'), text.size()), ".0");
+  return text;
+}
+
+}  // namespace
+
+TrainConfig parse_train_config(const std::string& yaml, const std::string& source) {
+  try {
+    return read(YAML::Load(yaml));
+  } catch (const ConfigError& error) {
+    throw ConfigError(source + ": " + error.what());
+  } catch (const YAML::Exception& error) {
+    throw ConfigError(source + ": " + error.what());
+  }
+}
+
+TrainConfig load_train_config(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file || !text) throw ConfigError(path + ": cannot be read");
+  return parse_train_config(text.str(), path);
+}
+
+std::string to_yaml(const TrainConfig& config) {
+  std::string text, section;
+  visit_fields(config, [&](const std::string& key, const auto& field) {
+    const std::size_t dot = key.find('.');
+    if (dot == std::string::npos) {
+      text += key + ": " + written(field) + "\n";
+      return;
+    }
+    if (section != key.substr(0, dot)) text += (section = key.substr(0, dot)) + ":\n";
+    text += "  " + key.substr(dot + 1) + ": " + written(field) + "\n";
+  });
+  return text;
+}
+
+}  // namespace threelink_agent

@@ -1,0 +1,50 @@
+#!/usr/bin/python3
+"""The structure that the packages promise: cores without ROS, a control loop without LibTorch."""
+import os
+import re
+import subprocess
+import unittest
+
+import rosunit
+
+SOURCE = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "src")
+ROS_INCLUDE = re.compile(
+    r'#include\s*[<"](ros|rosbag|tf2_ros|topic_tools|diagnostic_updater|\w+_msgs)/')
+
+
+def files(package, *folders):
+    for folder in folders:
+        for root, directories, names in os.walk(os.path.join(SOURCE, package, folder)):
+            if "node" in directories:
+                directories.remove("node")
+            for name in names:
+                if name.endswith((".hpp", ".cpp", ".inc")):
+                    yield os.path.join(root, name)
+
+
+class StructureTest(unittest.TestCase):
+    def test_cores_know_no_ros(self):
+        # Debian keeps ROS headers in /usr/include: a core that includes one would compile.
+        checked = 0
+        for package in ("threelink_sim", "threelink_agent", "threelink_tasks"):
+            for path in files(package, "src/core", "src/kernel", "src/training", "include"):
+                checked += 1
+                with open(path) as file:
+                    self.assertIsNone(ROS_INCLUDE.search(file.read()), path)
+        self.assertGreater(checked, 30)
+
+    def test_control_loop_knows_no_libtorch(self):
+        nodes = [("threelink_sim", "simulator_node"), ("threelink_agent", "agent_node"),
+                 ("threelink_tasks", "task_node"), ("threelink_tasks", "recorder_node")]
+        for package, name in nodes:
+            found = subprocess.run(["catkin_find", "--first-only", "--libexec", package, name],
+                                   stdout=subprocess.PIPE, universal_newlines=True).stdout.strip()
+            self.assertTrue(found, "%s/%s is not built" % (package, name))
+            libraries = subprocess.run(["ldd", found], stdout=subprocess.PIPE,
+                                       universal_newlines=True, check=True).stdout
+            self.assertIn("libroscpp", libraries)
+            self.assertNotIn("torch", libraries, name)
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("threelink_tests", "structure", StructureTest)
