@@ -225,7 +225,7 @@ class SimulatorProcessTest(unittest.TestCase):
         self.assertTrue(wait(lambda: self.peers.states[-1][1].step > 20))
 
     def test_watchdog(self):
-        period = 0.05  # [s]
+        period = 0.05  # [s] of wall time; an action lasts 0.1 s of simulation time
         self.run_simulator(realtime_factor=0.1 / period)
         self.reset()
         self.assertTrue(wait(lambda: self.peers.states[-1][1].step >= 10))
@@ -241,8 +241,8 @@ class SimulatorProcessTest(unittest.TestCase):
         self.assertTrue(wait(lambda: self.peers.states[-1][1].step > tripped + 5))
         silent_since = max(step for step, rates in self.steps() if any(rates))
         times = {state.step: at for at, state in self.peers.states}
-        # Time stands still until three periods have gone, then goes on with zero rates.
-        self.assertGreater(times[silent_since + 1] - times[silent_since], 2.5 * period)
+        # Time stands still for three actions of 0.1 s, then goes on with zero rates.
+        self.assertGreater(times[silent_since + 1] - times[silent_since], 2.5 * 0.1)
         shapes = {tuple(state.alpha) for _, state in self.peers.states
                   if state.step >= silent_since}
         self.assertEqual(len(shapes), 1)

@@ -18,10 +18,9 @@ Lockstep::Config SimulatorConfig::lockstep() const {
   Lockstep::Config config;
   config.hinges = environment.model.hinges();
   config.tick = static_cast<std::uint64_t>(std::llround(1e9 * step_time()));
-  const double period = realtime_factor > 0 ? step_time() / realtime_factor : 0;
-  config.period = wall(period);
+  config.period = wall(step_period());
   config.peer_timeout = wall(peer_timeout);
-  config.watchdog = wall(watchdog_periods * period);
+  config.watchdog = wall(watchdog());
   return config;
 }
 

@@ -17,7 +17,7 @@ constexpr double kTrailWidth = 0.006;
 constexpr double kCentroidSize = 0.03;
 constexpr double kTargetSize = 0.05;
 constexpr double kTextHeight = 0.045;
-constexpr double kTextOffset = 0.28;  // above the centroid
+constexpr double kTextOffset = 0.45;  // above the centroid
 // Heights keep the layers apart, seen from above.
 constexpr double kTrailZ = -0.02, kTargetZ = 0.0, kCentroidZ = 0.03, kTextZ = 0.06;
 constexpr double kFarAway = 1e6;  // [m] beyond, rviz's single precision is of no use

@@ -1,6 +1,7 @@
 // The simulator node's parameters; config/swimmer.yaml is their manual.
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "threelink_sim/environment.hpp"
@@ -19,8 +20,12 @@ struct SimulatorConfig {
   double watchdog_periods;  // [action periods]
   double display_rate;      // [1/s] wall time
 
-  // Length of an action step: simulation time [s].
+  // Length of an action step: simulation time [s], and wall time [s], 0 without a pace.
   double step_time() const { return environment.dt * scales.time; }
+  double step_period() const { return realtime_factor > 0 ? step_time() / realtime_factor : 0; }
+  // [s] wall time: watchdog_periods of the longer of the two, so that a simulation that runs faster
+  // than real time does not trip over the jitter of the machine.
+  double watchdog() const { return watchdog_periods * std::max(step_time(), step_period()); }
   Lockstep::Config lockstep() const;
 };
 
