@@ -102,11 +102,11 @@ int start_and_run(int argc, char** argv, const NodeDescription& description,
               << "; start roscore, or use roslaunch\n";
     return kMasterLost;
   }
-  ros::start();
-  int status;
+  int status = kSuccess;
   {
-    MasterWatch watch;
-    status = run_body(body);
+    MasterWatch watch;  // first: ros::start() waits for a master that goes away, without end
+    ros::start();
+    if (running()) status = run_body(body);
     if (watch.lost()) status = kMasterLost;
   }
   ros::shutdown();
