@@ -85,7 +85,6 @@ void keep_freed_memory() {
 
 int train(const Arguments& arguments) {
   const TrainConfig config = effective_config(arguments);
-  use_one_thread_per_operation();
   keep_freed_memory();
   Trainer trainer(config, arguments.threads);
   RunFolder folder(arguments.out, config);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "threelink_agent/training/blas.hpp"
 #include "threelink_agent/training/gaussian.hpp"
 #include "threelink_agent/training/ppo_update.hpp"
 #include "threelink_agent/training/schedule.hpp"
@@ -9,7 +10,9 @@
 namespace threelink_agent {
 
 Trainer::Trainer(const TrainConfig& config, int threads)
-    : config_((config.validate(), config)), ppo_(std::make_unique<PpoUpdate>(config, threads)) {}
+    : config_((config.validate(), config)), ppo_(std::make_unique<PpoUpdate>(config, threads)) {
+  use_one_thread_per_operation();
+}
 
 Trainer::~Trainer() = default;
 

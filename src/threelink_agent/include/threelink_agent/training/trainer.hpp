@@ -38,7 +38,8 @@ struct UpdateReport {
 // The result depends on the configuration alone (seed included), not on the number of threads.
 class Trainer {
  public:
-  // Throws ConfigError. threads: at least 1; the update uses at most two.
+  // Throws ConfigError. threads: at least 1; the update uses at most two. Sets BLAS and LibTorch,
+  // in the whole process, to one thread for each operation.
   Trainer(const TrainConfig& config, int threads);
   ~Trainer();
 

@@ -1,0 +1,194 @@
+// The strict reader of training configurations.
+#include "threelink_agent/training/train_config.hpp"
+
+#include <regex>
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace threelink_tests {
+namespace {
+
+using namespace threelink_agent;
+
+const std::string kValid = R"(
+seed: 3
+episodes: 400
+evaluate_every: 5
+environment: {links: 3, gamma: 0.5, dt: 0.1, b: 6.0, c: 1.5, steps: 200}
+hidden: [64, 32]
+symmetry: {canonical: reversal, mirror: true}
+exploration: {learned: false, std: 0.6, std_final: 0.3, decay_fraction: 0.8}
+advantage: {discount: 0.99, lambda: 0.95, bootstrap_at_time_limit: true, normalise: false}
+update:
+  episodes: 40
+  epochs: 10
+  minibatch: 1000
+  clip: 0.2
+  entropy_weight: 0.0
+  max_gradient_norm: 0.5
+  actor_learning_rate: 1.0e-3
+  critic_learning_rate: 2.0e-3
+  final_learning_rate: 0.1
+)";
+
+std::string with(const std::string& found, const std::string& put) {
+  std::string yaml = kValid;
+  const std::size_t at = yaml.find(found);
+  EXPECT_NE(at, std::string::npos) << found;
+  return yaml.replace(at, found.size(), put);
+}
+
+TEST(TrainConfig, ReadsEveryKey) {
+  const TrainConfig config = parse_train_config(kValid, "test");
+  EXPECT_EQ(config.seed, 3u);
+  EXPECT_EQ(config.episodes, 400u);
+  EXPECT_EQ(config.evaluate_every, 5u);
+  EXPECT_EQ(config.environment.model.links, 3);
+  EXPECT_EQ(config.environment.c, 1.5);
+  EXPECT_EQ(config.environment.steps, 200u);
+  EXPECT_EQ(config.hidden, (std::vector<int>{64, 32}));
+  EXPECT_EQ(config.symmetry.canonical, Symmetry::kReversal);
+  EXPECT_TRUE(config.symmetry.mirror);
+  EXPECT_EQ(config.exploration.std_final, 0.3);
+  EXPECT_EQ(config.advantage.lambda, 0.95);
+  EXPECT_FALSE(config.advantage.normalise);
+  EXPECT_EQ(config.update.minibatch, 1000u);
+  EXPECT_EQ(config.update.actor_learning_rate, 1e-3);
+  EXPECT_EQ(config.update.final_learning_rate, 0.1);
+  EXPECT_EQ(config.updates(), 10u);
+}
+
+TEST(TrainConfig, WrittenAndReadBackIsTheSame) {
+  TrainConfig config = parse_train_config(kValid, "test");
+  config.update.actor_learning_rate = 1e-5;
+  config.environment.b = 7;
+  const std::string yaml = to_yaml(config);
+  const TrainConfig again = parse_train_config(yaml, "test");
+  EXPECT_EQ(to_yaml(again), yaml);
+  EXPECT_EQ(again.update.actor_learning_rate, 1e-5);
+  // In ROS 1, 7 would be a whole number and 1e-05 a string.
+  EXPECT_NE(yaml.find("  b: 7.0\n"), std::string::npos) << yaml;
+  EXPECT_NE(yaml.find("  actor_learning_rate: 1.0e-05\n"), std::string::npos) << yaml;
+}
+
+TEST(TrainConfig, LearnedStdHasNoSchedule) {
+  const std::string learned =
+      with("{learned: false, std: 0.6, std_final: 0.3, decay_fraction: 0.8}",
+           "{learned: true, std: 0.6}");
+  const TrainConfig config = parse_train_config(learned, "test");
+  EXPECT_TRUE(config.exploration.learned);
+  EXPECT_EQ(to_yaml(config).find("std_final"), std::string::npos);
+}
+
+struct Refusal {
+  const char* found;
+  const char* put;
+  const char* message;  // regular expression
+};
+
+const Refusal kRefusals[] = {
+    // Unknown, missing, twice, of the wrong form
+    {"clip: 0.2", "clp: 0.2", "update.clp: unknown key .*update.clip"},
+    {"seed: 3", "sead: 3", "sead: unknown key .*seed"},
+    {"dt: 0.1, ", "dt: 0.1, joint_limit: 2.0, ", "environment.joint_limit: unknown key"},
+    {"seed: 3\n", "", "seed: missing"},
+    {"lambda: 0.95, ", "", "advantage.lambda: missing"},
+    {"std_final: 0.3, ", "", "exploration.std_final: missing"},
+    {"seed: 3\n", "seed: 3\nseed: 4\n", "seed"},
+    {"learned: false", "learned: true", "exploration.decay_fraction: unknown key"},
+    {"epochs: 10", "epochs: {a: 10}", "update.epochs.a: unknown key .*update.epochs"},
+    {"hidden: [64, 32]", "hidden: {a: 64}", "hidden.a: unknown key"},
+    {"symmetry: {canonical: reversal, mirror: true}", "symmetry: 1", "symmetry: unknown key"},
+    {"seed: 3", "seed: [3", "test: "},
+    {kValid.c_str(), "- 1", "must be a map"},
+    {kValid.c_str(), "", "must be a map"},
+    // Type
+    {"1.0e-3", "'1.0e-3'", "update.actor_learning_rate = .*a number"},
+    {"1.0e-3", "fast", "update.actor_learning_rate = fast: must be a number"},
+    {"1.0e-3", "", "update.actor_learning_rate = .*a number"},
+    {"1.0e-3", "~", "update.actor_learning_rate = .*a number"},
+    {"1.0e-3", "[1.0]", "update.actor_learning_rate = .*a number"},
+    {"epochs: 10", "epochs: 10.0", "update.epochs = 10.0: must be a whole number"},
+    {"epochs: 10", "epochs: 1e1", "update.epochs = 1e1: must be a whole number"},
+    {"epochs: 10", "epochs: 99999999999999999999", "update.epochs = 9+: must be a whole number"},
+    {"epochs: 10", "epochs: 4294967297", "update.epochs = 4294967297: must be in"},
+    {"mirror: true", "mirror: 1", "symmetry.mirror = 1: must be true or false"},
+    {"mirror: true", "mirror: \"true\"", "symmetry.mirror = .*true or false"},
+    {"[64, 32]", "64", "hidden = 64: must be a list"},
+    {"[64, 32]", "[64, 3.2]", "hidden\\[1\\] = 3.2: must be a whole number"},
+    {"canonical: reversal", "canonical: reversed", "symmetry.canonical = reversed.*reversal"},
+    // Range
+    {"seed: 3", "seed: -1", "seed = -1: must be in"},
+    {"seed: 3", "seed: 9223372036854775808", "seed = 9223372036854775808: .*2\\^63"},
+    {"episodes: 400", "episodes: 0", "episodes = 0: must be in"},
+    {"episodes: 400", "episodes: 200000000", "episodes = 200000000: must be in"},
+    {"evaluate_every: 5", "evaluate_every: 0", "evaluate_every = 0: must be in"},
+    {"links: 3", "links: 1", "environment.links = 1: must be in"},
+    {"links: 3", "links: 33", "environment.links = 33: must be in"},
+    {"links: 3", "links: 4", "symmetry.canonical = reversal: .*4 links"},
+    {"gamma: 0.5", "gamma: 0.0", "environment.gamma = 0.*: must be in"},
+    {"dt: 0.1", "dt: 1.5", "environment.dt = 1.5: must be in"},
+    {"b: 6.0", "b: -6.0", "environment.b = -6.*: must be in"},
+    {"c: 1.5", "c: -0.1", "environment.c = -0.1: must be in"},
+    {"steps: 200", "steps: 0", "environment.steps = 0: must be"},
+    {"[64, 32]", "[]", "hidden = 0 layers: must be"},
+    {"[64, 32]", "[64, 0]", "hidden = 0: must be in"},
+    {"[64, 32]", "[64, 257]", "hidden = 257: must be in"},
+    {"[64, 32]", "[8, 8, 8, 8, 8, 8, 8, 8, 8]", "hidden = 9 layers: must be"},
+    {"std: 0.6", "std: 0.0", "exploration.std = 0.*: must be in"},
+    {"std_final: 0.3", "std_final: 11.0", "exploration.std_final = 11.*: must be in"},
+    {"decay_fraction: 0.8", "decay_fraction: 0.0", "exploration.decay_fraction = 0.*: must be in"},
+    {"discount: 0.99", "discount: 1.0", "advantage.discount = 1.*: must be in"},
+    {"lambda: 0.95", "lambda: 1.01", "advantage.lambda = 1.01: must be in"},
+    {"  episodes: 40", "  episodes: 0", "update.episodes = 0: must be in"},
+    {"  episodes: 40", "  episodes: 60000", "update.episodes = 60000: must be at most 50000"},
+    {"epochs: 10", "epochs: 1001", "update.epochs = 1001: must be in"},
+    {"minibatch: 1000", "minibatch: 8001", "update.minibatch = 8001: must be in \\[1, 8000\\]"},
+    {"clip: 0.2", "clip: 1.0", "update.clip = 1.*: must be in"},
+    {"entropy_weight: 0.0", "entropy_weight: 0.01", "update.entropy_weight = 0.01: .*learned"},
+    {"max_gradient_norm: 0.5", "max_gradient_norm: 0",
+     "update.max_gradient_norm = 0.*: must be in"},
+    {"1.0e-3", "0.0", "update.actor_learning_rate = 0.*: must be in"},
+    {"2.0e-3", "1.1", "update.critic_learning_rate = 1.1: must be in"},
+    {"final_learning_rate: 0.1", "final_learning_rate: 2.0",
+     "update.final_learning_rate = 2.*: must be in"},
+    // Not finite
+    {"clip: 0.2", "clip: .nan", "update.clip = nan: must be in"},
+    {"b: 6.0", "b: .inf", "environment.b = inf: must be in"},
+    {"2.0e-3", "-.inf", "update.critic_learning_rate = -inf: must be in"},
+    {"discount: 0.99", "discount: .nan", "advantage.discount = nan: must be in"},
+    {"dt: 0.1", "dt: 1e999", "environment.dt = "},
+};
+
+TEST(TrainConfig, RefusesWithFileKeyValueAndBound) {
+  for (const Refusal& refusal : kRefusals) {
+    const std::string yaml = with(refusal.found, refusal.put);
+    try {
+      parse_train_config(yaml, "test");
+      ADD_FAILURE() << "taken: " << refusal.put;
+    } catch (const ConfigError& error) {
+      const std::string message = error.what();
+      EXPECT_EQ(message.rfind("test: ", 0), 0u) << message;
+      EXPECT_TRUE(std::regex_search(message, std::regex(refusal.message)))
+          << refusal.put << " gives: " << message;
+    }
+  }
+}
+
+TEST(TrainConfig, AMissingFileIsNamed) {
+  try {
+    load_train_config("/nowhere/train.yaml");
+    FAIL();
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "/nowhere/train.yaml: cannot be read");
+  }
+}
+
+TEST(TrainConfig, ShippedOnesAreValid) {
+  const TrainConfig config = load_train_config(THREELINK_CONFIG "/train_vfs.yaml");
+  EXPECT_EQ(config.environment.c, 0);
+}
+
+}  // namespace
+}  // namespace threelink_tests
