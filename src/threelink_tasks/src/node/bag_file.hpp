@@ -1,0 +1,89 @@
+// The bag of one episode while it is written, and what is left of one whose writer died.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/make_shared.hpp>
+#include <ros/message_traits.h>
+#include <ros/time.h>
+#include <rosbag/bag.h>
+#include <topic_tools/shape_shifter.h>
+
+namespace threelink_tasks {
+
+// Open, it is named TASK_YYYY-mm-dd-HH-MM-SS_epNNNN.bag.active and locked (flock), so that no other
+// recorder takes it for a leftover. rosbag::BagException and std::runtime_error from any member but
+// the destructor mean that the file cannot be written on.
+class BagFile {
+ public:
+  // Longest time for which a message stays in memory [s], wall time. Chunks are small, at most
+  // 16 KiB, and closed at least this often: that is what survives of a bag if its writer is killed.
+  static constexpr std::chrono::milliseconds kFlushPeriod{200};
+
+  BagFile(const std::filesystem::path& folder, const std::string& task, std::uint32_t episode);
+  // A new bag with that name when it is closed.
+  explicit BagFile(const std::filesystem::path& path);
+  // Leaves the file as it is unless close() was called.
+  ~BagFile();
+  BagFile(const BagFile&) = delete;
+  BagFile& operator=(const BagFile&) = delete;
+
+  template <class Message>
+  void write(const std::string& topic, const ros::Time& time, const Message& message) {
+    bag_->write(topic, time, message);
+    ++messages_;
+  }
+  // `rosbag play` latches such a message again.
+  template <class Message>
+  void write_latched(const std::string& topic, const ros::Time& time, const Message& message);
+
+  // Hands what was written to the kernel, if kFlushPeriod has gone by since the last time.
+  void flush_if_due();
+
+  // Writes the index, syncs the file and takes ".active" off its name.
+  void close();
+
+  const std::filesystem::path& path() const { return path_; }  // of the closed bag
+  std::uint64_t messages() const { return messages_; }
+
+ private:
+  void open();
+  void let_go();
+
+  std::filesystem::path path_;
+  std::filesystem::path active_;
+  std::unique_ptr<rosbag::Bag> bag_;
+  int lock_ = -1;
+  std::uint64_t messages_ = 0;
+  std::chrono::steady_clock::time_point flushed_;
+};
+
+template <class Message>
+void BagFile::write_latched(const std::string& topic, const ros::Time& time,
+                            const Message& message) {
+  namespace traits = ros::message_traits;
+  bag_->write(topic, time, message,
+              boost::make_shared<ros::M_string>(
+                  ros::M_string{{"type", traits::datatype<Message>()},
+                                {"md5sum", traits::md5sum<Message>()},
+                                {"message_definition", traits::definition<Message>()},
+                                {"latching", "1"}}));
+  ++messages_;
+}
+
+// Bags in the folder that were left open, and that nobody holds.
+std::vector<std::filesystem::path> leftover_bags(const std::filesystem::path& folder);
+
+// Calls `take` with every whole message of a bag without an index, in the order of the file.
+// Throws std::runtime_error if the file cannot be read or is no bag.
+void read_leftover(const std::filesystem::path& path,
+                   const std::function<void(const std::string& topic, const ros::Time& time,
+                                            const topic_tools::ShapeShifter& message)>& take);
+
+}  // namespace threelink_tasks

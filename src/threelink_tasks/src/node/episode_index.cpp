@@ -1,0 +1,128 @@
+#include "episode_index.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+namespace threelink_tasks {
+namespace {
+
+using threelink_msgs::Episode;
+
+constexpr char kHeader[] =
+    "episode,bag,task,seed,status,steps,time,distance,mean_speed,policy_sha256,messages,"
+    "recovered\n";
+
+std::string cell(const std::optional<double>& value) {
+  return value ? fmt::format("{}", *value) : std::string();
+}
+
+std::string line(const IndexRow& row) {
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", row.episode, row.bag, row.task,
+                     row.seed, row.status, row.steps, cell(row.time), cell(row.distance),
+                     cell(row.mean_speed), row.policy_sha256, row.messages,
+                     row.recovered ? "yes" : "no");
+}
+
+// A file that is open, and locked against other processes until it is closed.
+class LockedFile {
+ public:
+  explicit LockedFile(const std::filesystem::path& path)
+      : path_(path), descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
+    if (descriptor_ < 0) fail("open");
+    if (flock(descriptor_, LOCK_EX) != 0) {
+      const int error = errno;
+      close(descriptor_);
+      errno = error;
+      fail("lock");
+    }
+  }
+  ~LockedFile() { close(descriptor_); }
+  LockedFile(const LockedFile&) = delete;
+  LockedFile& operator=(const LockedFile&) = delete;
+
+  // Position after the last whole line: what a power cut left of a line is written over.
+  off_t end_of_lines() const {
+    off_t end = lseek(descriptor_, 0, SEEK_END);
+    char last = '\n';
+    while (end > 0 && pread(descriptor_, &last, 1, end - 1) == 1 && last != '\n') --end;
+    return end;
+  }
+
+  void replace_from(off_t position, const std::string& text) {
+    if (ftruncate(descriptor_, position) != 0) fail("shorten");
+    if (pwrite(descriptor_, text.data(), text.size(), position) !=
+            static_cast<ssize_t>(text.size()) ||
+        fsync(descriptor_) != 0) {
+      const int error = errno;
+      if (ftruncate(descriptor_, position) != 0) fail("shorten");
+      errno = error;
+      fail("write");
+    }
+  }
+
+ private:
+  [[noreturn]] void fail(const char* what) const {
+    throw std::runtime_error(
+        fmt::format("cannot {} {}: {}", what, path_.string(), std::strerror(errno)));
+  }
+
+  std::filesystem::path path_;
+  int descriptor_;
+};
+
+}  // namespace
+
+std::string status_name(std::uint8_t status) {
+  switch (status) {
+    case Episode::STARTED:
+      return "started";
+    case Episode::CAPTURED:
+      return "captured";
+    case Episode::TIMED_OUT:
+      return "timed_out";
+    default:
+      return "aborted";
+  }
+}
+
+void EpisodeStory::hear(const Episode& message) {
+  row_.episode = message.episode;
+  row_.task = message.task;
+  row_.seed = message.seed;
+  row_.policy_sha256 = message.policy_sha256;
+  ended_ = message.status != Episode::STARTED;
+  if (!ended_) return;
+  row_.status = status_name(message.status);
+  row_.steps = message.step;
+  row_.time = message.time;
+  row_.distance = message.distance;
+  row_.mean_speed = message.mean_speed;
+}
+
+void EpisodeStory::hear(const threelink_msgs::SwimmerState& message) {
+  if (!ended_) row_.steps = message.step;
+}
+
+void EpisodeStory::hear(const threelink_msgs::Observation& message) {
+  if (!ended_) row_.distance = message.distance;
+}
+
+IndexRow EpisodeStory::row() const {
+  IndexRow row = row_;
+  if (!ended_) row.status = status_name(Episode::ABORTED);
+  return row;
+}
+
+void append_to_index(const std::filesystem::path& folder, const IndexRow& row) {
+  LockedFile file(folder / "episodes.csv");
+  const off_t end = file.end_of_lines();
+  file.replace_from(end, (end == 0 ? kHeader : "") + line(row));
+}
+
+}  // namespace threelink_tasks

@@ -1,0 +1,55 @@
+// episodes.csv, the list of all episodes beside their bags.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <threelink_msgs/Episode.h>
+#include <threelink_msgs/Observation.h>
+#include <threelink_msgs/SwimmerState.h>
+
+namespace threelink_tasks {
+
+// One row. Cells of what nobody could say stay empty.
+struct IndexRow {
+  std::uint32_t episode = 0;
+  std::string bag;  // name in the same folder
+  std::string task;
+  std::uint64_t seed = 0;
+  std::string status;  // captured, timed_out or aborted
+  std::uint64_t steps = 0;
+  std::optional<double> time;        // [T0]
+  std::optional<double> distance;    // [L] centroid to target at the end
+  std::optional<double> mean_speed;  // [L/T0]
+  std::string policy_sha256;
+  std::uint64_t messages = 0;  // in the bag
+  bool recovered = false;      // the bag was left open by a recorder that died
+};
+
+// What the messages of a bag say about its episode. Without an Episode message that ends it, the
+// episode counts as aborted in the last state seen.
+class EpisodeStory {
+ public:
+  void hear(const threelink_msgs::Episode& message);
+  void hear(const threelink_msgs::SwimmerState& message);
+  void hear(const threelink_msgs::Observation& message);
+  template <class Message>
+  void hear(const Message&) {}  // the others tell nothing new
+
+  IndexRow row() const;
+
+ private:
+  IndexRow row_;
+  bool ended_ = false;
+};
+
+// "started", "captured", "timed_out", "aborted"
+std::string status_name(std::uint8_t status);
+
+// Appends a row to FOLDER/episodes.csv, whole or not at all, also if several recorders share the
+// folder. Throws std::runtime_error naming the file.
+void append_to_index(const std::filesystem::path& folder, const IndexRow& row);
+
+}  // namespace threelink_tasks

@@ -1,0 +1,138 @@
+// Shows a recorded episode while `rosbag play --clock` plays it: draws anew, from the recorded
+// states and targets, what the simulator and the task showed.
+//
+// Nothing but the states is needed for that. The recorded joint_states and transforms are thinned
+// out at high speed, and are not played.
+#include <cmath>
+#include <string>
+
+#include <geometry_msgs/PointStamped.h>
+#include <ros/callback_queue.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <tf2_ros/transform_broadcaster.h>
+#include <threelink_msgs/Episode.h>
+#include <yaml-cpp/yaml.h>
+
+#include "threelink_sim/node/parameters.hpp"
+#include "threelink_sim/node/swimmer_view.hpp"
+#include "threelink_sim/node/topics.hpp"
+
+namespace threelink_tasks {
+namespace {
+
+namespace topics = threelink_sim::topics;
+using threelink_msgs::Episode;
+
+constexpr char kHelp[] = R"(playback_node: shows a recorded episode while rosbag plays it
+
+usage: rosrun threelink_tasks playback_node _bag:=BAG [ROS remappings] | --help
+
+Used by playback.launch.
+
+subscribes to
+  state         threelink_msgs/SwimmerState     as recorded
+  target        geometry_msgs/PointStamped      as recorded
+publishes
+  joint_states  sensor_msgs/JointState          every state
+  /tf           world -> base_link              every state
+  markers       visualization_msgs/MarkerArray  30 times a second of wall time
+  swimmer_path  nav_msgs/Path                   likewise
+  target_path   nav_msgs/Path                   likewise
+parameters
+  ~bag          path of the bag that is played: its units are those of the episode
+)";
+
+constexpr double kDisplayPeriod = 1.0 / 30;  // [s] wall time
+
+// How to draw the episode of a bag, from the configuration that it was recorded with.
+threelink_sim::SwimmerViewConfig read_view_config(const std::string& path) {
+  rosbag::Bag bag(path);
+  rosbag::View episodes(bag, rosbag::TypeQuery(ros::message_traits::datatype<Episode>()));
+  if (episodes.size() == 0) throw std::runtime_error("it holds no episode");
+  const YAML::Node config =
+      YAML::Load(episodes.begin()->instantiate<Episode>()->config)["simulator"];
+  threelink_sim::SwimmerViewConfig view;
+  view.scales.length = config["length_scale"].as<double>();
+  view.scales.time = config["time_scale"].as<double>();
+  view.dt = config["dt"].as<double>();
+  view.gamma = config["gamma"].as<double>();
+  return view;
+}
+
+class Playback {
+ public:
+  explicit Playback(const threelink_sim::SwimmerViewConfig& config)
+      : config_(config), view_(node_, config, [] {}) {
+    joint_publisher_ = node_.advertise<sensor_msgs::JointState>(topics::kJointStates, 100);
+    path_publisher_ = node_.advertise<nav_msgs::Path>(topics::kTargetPath, 2, true);
+    state_subscriber_ = node_.subscribe(topics::kState, 1000, &Playback::on_state, this);
+    target_subscriber_ = node_.subscribe(topics::kTarget, 1000, &Playback::on_target, this);
+  }
+
+  int run() {
+    while (threelink_sim::running()) {
+      ros::WallDuration(kDisplayPeriod).sleep();
+      ros::getGlobalCallbackQueue()->callAvailable();
+      view_.draw();
+      path_publisher_.publish(target_path_.message());
+    }
+    return threelink_sim::kSuccess;
+  }
+
+ private:
+  void on_state(const threelink_msgs::SwimmerState& state) {
+    // Time goes back when the bag starts anew.
+    if (state.header.stamp <= state_stamp_) target_path_.clear();
+    state_stamp_ = state.header.stamp;
+    step_ = state.step;
+    view_.add(state);
+    threelink_sim::to_joint_state(state, config_.scales, joints_);
+    joint_publisher_.publish(joints_);
+    geometry_msgs::TransformStamped transform;
+    threelink_sim::to_transform(state, config_.scales, transform);
+    transform_publisher_.sendTransform(transform);
+  }
+
+  void on_target(const geometry_msgs::PointStamped& target) {
+    view_.set_target({target.point.x, target.point.y});
+    geometry_msgs::PoseStamped pose;
+    pose.header = target.header;
+    pose.pose.position = target.point;
+    pose.pose.orientation.w = 1;
+    target_path_.add(step_, pose);
+  }
+
+  threelink_sim::SwimmerViewConfig config_;
+  ros::NodeHandle node_;
+  threelink_sim::SwimmerView view_;
+  tf2_ros::TransformBroadcaster transform_publisher_;
+  ros::Publisher joint_publisher_, path_publisher_;
+  sensor_msgs::JointState joints_;
+  threelink_sim::ThinnedPath target_path_;
+  ros::Time state_stamp_;
+  std::uint64_t step_ = 0;
+  ros::Subscriber state_subscriber_, target_subscriber_;
+};
+
+int run() {
+  threelink_sim::Parameters parameters{ros::NodeHandle("~")};
+  const std::string bag = parameters.text("bag");
+  parameters.finish();
+  const auto read = [&] {
+    try {
+      return read_view_config(bag);
+    } catch (const std::exception& error) {
+      parameters.refuse("bag", error.what());
+    }
+  };
+  return Playback(read()).run();
+}
+
+}  // namespace
+}  // namespace threelink_tasks
+
+int main(int argc, char** argv) {
+  return threelink_sim::run_node(argc, argv, {"playback", threelink_tasks::kHelp},
+                                 threelink_tasks::run);
+}

@@ -1,0 +1,266 @@
+#!/usr/bin/python3
+"""The recorder alone: what it says about gaps, full disks, and bags that others left or still write."""
+import csv
+import os
+import resource
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+
+import rosbag
+import roslib.packages
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import PointStamped, PoseStamped
+from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
+
+from threelink_msgs.msg import (Episode, EpisodeAbort, HingeRates, Observation, Recording,
+                                SwimmerState)
+
+PROGRAM = roslib.packages.find_node("threelink_tasks", "recorder_node")[0]
+NODE = "/threelink/recorder"
+
+
+def wait(condition, seconds=10.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.005)
+    return True
+
+
+class Peers:
+    """Everything that the recorder listens to, and what it answers."""
+
+    def __init__(self):
+        self.recordings, self.summaries = [], []
+        self.stamp = 0
+        publish = lambda name, kind: rospy.Publisher(name, kind, queue_size=1000)
+        self.state = publish("/threelink/state", SwimmerState)
+        self.target = publish("/threelink/target", PointStamped)
+        self.observation = publish("/threelink/observation", Observation)
+        self.rates = publish("/threelink/hinge_rates", HingeRates)
+        self.joints = publish("/threelink/joint_states", JointState)
+        self.pose = publish("/threelink/pose", PoseStamped)
+        self.transforms = publish("/tf", TFMessage)
+        self.abort = publish("/threelink/abort", EpisodeAbort)
+        self.episode = rospy.Publisher("/threelink/episode", Episode, queue_size=10, latch=True)
+        self.topics = [
+            rospy.Subscriber("/threelink/recording", Recording, self.recordings.append),
+            rospy.Subscriber("/diagnostics", DiagnosticArray, self.on_diagnostics)]
+
+    def on_diagnostics(self, message):
+        for status in message.status:
+            if status.name.startswith(NODE[1:]) or status.name.startswith(NODE):
+                self.summaries.append((ord(status.level) if isinstance(status.level, bytes)
+                                       else status.level, status.message))
+
+    def send_state(self, episode, step):
+        self.stamp += 1
+        state = SwimmerState(episode=episode, step=step, theta=[0, 0, 0], alpha=[0, 0])
+        state.header.stamp = rospy.Time(self.stamp)
+        self.state.publish(state)
+
+    def send_episode(self, episode, step, status):
+        message = Episode(episode=episode, step=step, status=status, task="pursuit", seed=9,
+                          policy_sha256="ab" * 32)
+        message.header.stamp = rospy.Time(self.stamp)
+        self.episode.publish(message)
+
+    def said(self, state, episode):
+        return next((recording for recording in self.recordings
+                     if (recording.state, recording.episode) == (state, episode)), None)
+
+
+def limit_file_size():
+    """As if the disk were full after 64 KiB. Python ignores SIGXFSZ, and so do its children."""
+    resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
+
+
+class RecorderTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.peers = Peers()
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.processes = []
+        self.peers.recordings.clear()
+        self.peers.summaries.clear()
+        self.peers.stamp += 100  # simulation time never goes back
+
+    def tearDown(self):
+        for process in self.processes:
+            process.kill()
+            process.communicate()
+        self.peers.send_episode(0, 0, Episode.ABORTED)  # what the next recorder hears first
+        shutil.rmtree(self.folder)
+
+    def start(self, folder=None, limit=None, picture="false"):
+        rospy.set_param(NODE, {"bag_dir": folder or self.folder, "picture": picture == "true"})
+        process = subprocess.Popen([PROGRAM, "__name:=recorder", "__ns:=threelink"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                   universal_newlines=True, preexec_fn=limit, restore_signals=False)
+        self.processes.append(process)
+        return process
+
+    def start_and_wait(self, **options):
+        process = self.start(**options)
+        self.assertTrue(wait(lambda: self.peers.said(Recording.READY, 0)))
+        return process
+
+    def active(self):
+        return [name for name in self.files() if name.endswith(".active")]
+
+    def files(self):
+        return sorted(os.listdir(self.folder))
+
+    def rows(self):
+        with open(os.path.join(self.folder, "episodes.csv")) as file:
+            return list(csv.DictReader(file))
+
+    def play(self, episode, steps, status=Episode.CAPTURED):
+        """An episode with the given states."""
+        self.peers.send_state(episode, steps[0])
+        self.peers.send_episode(episode, steps[0], Episode.STARTED)
+        for step in steps[1:]:
+            self.peers.send_state(episode, step)
+        if status is not None:
+            self.peers.send_episode(episode, steps[-1], status)
+
+    def test_states_that_overtake_the_start_are_kept_and_repeated_ones_are_not(self):
+        self.start_and_wait()
+        self.peers.send_state(1, 99)  # of something before
+        self.play(1, [0, 1, 1, 2, 2, 3])
+        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, 1)))
+        recording = self.peers.said(Recording.WRITTEN, 1)
+        self.assertIn("no state is missing", recording.status)
+        with rosbag.Bag(recording.bag) as bag:
+            steps = [m.step for _, m, _ in bag.read_messages("/threelink/state")]
+            self.assertEqual(steps, [0, 1, 2, 3])
+            self.assertEqual(recording.messages, bag.get_message_count())
+            (latching,) = {connection.header.get("latching") for connection
+                           in bag._get_connections("/threelink/episode")}
+            self.assertEqual(latching, b"1")
+        (row,) = self.rows()
+        self.assertEqual((row["seed"], row["status"], row["steps"]), ("9", "captured", "3"))
+        self.assertEqual(self.files(), ["episodes.csv", os.path.basename(recording.bag)])
+
+    def test_missing_states_are_reported(self):
+        self.start_and_wait()
+        self.play(1, [0, 1, 4, 5, 7])
+        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, 1)))
+        self.assertIn("3 states are missing", self.peers.said(Recording.WRITTEN, 1).status)
+        self.assertTrue(wait(lambda: any(
+            level == DiagnosticStatus.WARN and "states missing: 3 more" in text
+            for level, text in self.peers.summaries)))
+
+    def test_an_abort_without_a_task_closes_the_bag(self):
+        self.start_and_wait()
+        self.play(1, [0, 1, 2], status=None)
+        self.assertTrue(wait(self.active))
+        abort = EpisodeAbort(episode=1, step=2, peer="target", reason="the task is silent")
+        abort.header.stamp = rospy.Time(self.peers.stamp)
+        self.peers.abort.publish(abort)
+        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, 1)))
+        (row,) = self.rows()
+        self.assertEqual((row["status"], row["steps"]), ("aborted", "2"))
+
+    def test_a_new_episode_closes_the_last_one(self):
+        self.start_and_wait()
+        self.play(1, [0, 1], status=None)
+        self.play(2, [0, 1])
+        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, 2)))
+        self.assertEqual([(row["episode"], row["status"]) for row in self.rows()],
+                         [("1", "aborted"), ("2", "captured")])
+
+    def test_a_full_disk_is_told_and_survived(self):
+        process = self.start_and_wait(limit=limit_file_size)
+        self.play(1, list(range(1000)))
+        self.assertTrue(wait(lambda: self.peers.said(Recording.FAILED, 1)))
+        status = self.peers.said(Recording.FAILED, 1).status
+        self.assertIn("episode 1 is not recorded", status)
+        self.assertIn(self.folder, status)
+        self.assertTrue(wait(lambda: any(level == DiagnosticStatus.ERROR and text == status
+                                         for level, text in self.peers.summaries)))
+        # There is room for a short one.
+        self.play(2, [0, 1, 2])
+        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, 2)))
+        self.assertIsNone(process.poll())
+        # What reached the disk of the first is recovered at the next start.
+        process.terminate()
+        self.assertEqual(process.wait(10), 0)
+        self.assertEqual(len(self.active()), 1)
+        self.peers.recordings.clear()
+        self.start_and_wait()
+        recovered = self.rows()[-1]
+        self.assertEqual((recovered["episode"], recovered["recovered"]), ("1", "yes"))
+        self.assertGreater(int(recovered["steps"]), 50)
+
+    def test_a_folder_that_cannot_be_is_told_and_survived(self):
+        path = os.path.join(self.folder, "file")
+        open(path, "w").close()
+        process = self.start_and_wait(folder=path + "/bags")
+        self.play(1, [0, 1])
+        self.assertTrue(wait(lambda: self.peers.said(Recording.FAILED, 1)))
+        self.assertIn(path, self.peers.said(Recording.FAILED, 1).status)
+        self.assertIsNone(process.poll())
+
+    def test_a_bag_that_is_written_is_no_leftover(self):
+        self.start_and_wait()
+        self.play(1, [0, 1, 2], status=None)
+        self.assertTrue(wait(self.active))
+        rospy.set_param("/threelink/other", {"bag_dir": self.folder, "picture": False})
+        other = subprocess.Popen([PROGRAM, "__name:=other", "__ns:=threelink"])
+        self.processes.append(other)
+        self.assertTrue(wait(lambda: len(self.peers.recordings) > 1))  # the other is ready, too
+        self.assertTrue(wait(lambda: len(self.active()) == 2))  # it records the episode as well
+        other.terminate()
+        self.assertEqual(other.wait(10), 0)
+        self.peers.send_episode(1, 2, Episode.CAPTURED)
+        self.assertTrue(wait(lambda: not self.active() and len(self.rows()) == 2))
+        self.assertEqual({row["recovered"] for row in self.rows()}, {"no"})
+
+    def test_what_is_no_bag_is_left_alone(self):
+        path = os.path.join(self.folder, "pursuit_2020-01-01-00-00-00_ep0001.bag.active")
+        with open(path, "w") as file:
+            file.write("something else")
+        self.start_and_wait()
+        with open(path) as file:
+            self.assertEqual(file.read(), "something else")
+        self.assertEqual(self.files(), [os.path.basename(path)])
+
+    def test_a_torn_line_of_the_index_is_written_over(self):
+        self.start_and_wait()
+        self.play(1, [0, 1])
+        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, 1)))
+        with open(os.path.join(self.folder, "episodes.csv"), "a") as file:
+            file.write("2,pursuit_2020")
+        self.play(2, [0, 1])
+        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, 2)))
+        self.assertEqual([row["episode"] for row in self.rows()], ["1", "2"])
+
+    def test_a_bad_parameter_is_refused(self):
+        cases = [({}, "bag_dir"), ({"bag_dir": "relative"}, "absolute path"),
+                 ({"bag_dir": 5}, "bag_dir = 5"), ({"bag_dir": "/x", "picture": "yes"}, "picture"),
+                 ({"bag_dir": "/x", "pictures": True}, "pictures")]
+        for parameters, message in cases:
+            if rospy.has_param(NODE):
+                rospy.delete_param(NODE)
+            for name, value in parameters.items():
+                rospy.set_param(NODE + "/" + name, value)
+            done = subprocess.run([PROGRAM, "__name:=recorder", "__ns:=threelink"], timeout=20,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                  universal_newlines=True)
+            self.assertEqual(done.returncode, 2, parameters)
+            self.assertIn(message, done.stdout)
+
+
+if __name__ == "__main__":
+    rospy.init_node("recorder_test", disable_signals=True)
+    rostest.rosrun("threelink_tests", "recorder", RecorderTest)

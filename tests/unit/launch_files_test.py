@@ -1,0 +1,87 @@
+#!/usr/bin/python3
+"""Every launch file loads, names only what exists, and explains all of its arguments."""
+import os
+import unittest
+
+import roslaunch.arg_dump
+import roslaunch.config
+import roslib.packages
+import rospkg
+import rosunit
+
+FOLDER = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "launch")
+FILES = sorted(os.path.join(FOLDER, name) for name in os.listdir(FOLDER))
+
+# What arguments without a default are given here.
+REQUIRED = {"bag": "/some/folder/some.bag"}
+# Installed only where somebody asks for it.
+OPTIONAL_PACKAGES = {"rviz"}
+
+
+def load(path, **arguments):
+    arguments = ["%s:=%s" % item for item in arguments.items()]
+    return roslaunch.config.load_config_default([(path, arguments)], None, assign_machines=False)
+
+
+class LaunchFilesTest(unittest.TestCase):
+    def test_there_are_some(self):
+        names = {os.path.basename(path) for path in FILES}
+        self.assertLessEqual({"pursuit.launch", "playback.launch", "view.launch"}, names)
+
+    def test_every_file_loads_and_every_node_exists(self):
+        for path in FILES:
+            with self.subTest(os.path.basename(path)):
+                needed = [name for name, (_, default) in roslaunch.arg_dump.get_args([path]).items()
+                          if default is None]
+                config = load(path, **{name: REQUIRED[name] for name in needed})
+                self.assertGreater(len(config.nodes), 0)
+                for node in config.nodes:
+                    if node.package not in OPTIONAL_PACKAGES:
+                        self.assertTrue(roslib.packages.find_node(node.package, node.type),
+                                        "%s/%s" % (node.package, node.type))
+
+    def test_every_argument_is_documented(self):
+        for path in FILES:
+            for name, (doc, _) in roslaunch.arg_dump.get_args([path]).items():
+                with self.subTest(os.path.basename(path), argument=name):
+                    self.assertGreater(len(doc or ""), 10)
+
+    def test_every_file_says_what_it_starts(self):
+        for path in FILES:
+            with self.subTest(os.path.basename(path)), open(path) as file:
+                before_launch = file.read().partition("<launch>")[0]
+                self.assertIn("<!--", before_launch)
+                self.assertIn("->", before_launch)
+
+    def test_arguments_of_pursuit_reach_the_nodes(self):
+        path = os.path.join(FOLDER, "pursuit.launch")
+        arguments = roslaunch.arg_dump.get_args([path])
+        self.assertEqual({"rviz", "record", "v_ratio", "seed", "episodes", "policy",
+                          "realtime_factor", "bag_dir"}, set(arguments))
+        config = load(path, rviz="false", v_ratio="0.25", seed="7", episodes="3", policy="/p",
+                      realtime_factor="0", bag_dir="/b")
+        value = {name: parameter.value for name, parameter in config.params.items()}
+        self.assertEqual(value["/use_sim_time"], True)
+        self.assertEqual(value["/threelink/task/v_ratio"], 0.25)
+        self.assertEqual(value["/threelink/task/seed"], 7)
+        self.assertEqual(value["/threelink/task/episodes"], 3)
+        self.assertEqual(value["/threelink/task/record"], True)
+        self.assertEqual(value["/threelink/task/policy"], "/p")
+        self.assertEqual(value["/threelink/agent/policy"], "/p")
+        self.assertEqual(value["/threelink/simulator/realtime_factor"], 0)
+        self.assertEqual(value["/threelink/recorder/bag_dir"], "/b")
+        self.assertNotIn("rviz", {node.type for node in config.nodes})
+        without = load(path, rviz="false", record="false")
+        self.assertNotIn("recorder_node", {node.type for node in without.nodes})
+
+    def test_relative_paths_begin_where_roslaunch_was_called(self):
+        path = os.path.join(FOLDER, "pursuit.launch")
+        os.environ["PWD"] = "/called/here"
+        config = load(path, rviz="false", policy="p.safetensors", bag_dir="bags")
+        self.assertEqual(config.params["/threelink/agent/policy"].value,
+                         "/called/here/p.safetensors")
+        self.assertEqual(config.params["/threelink/recorder/bag_dir"].value, "/called/here/bags")
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("threelink_tests", "launch_files", LaunchFilesTest)
