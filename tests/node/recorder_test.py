@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The recorder alone: what it says about gaps, full disks, and bags that others left or still write."""
+"""The recorder alone: gaps, full disks, and bags that others left or still write."""
 import csv
 import os
 import resource
@@ -226,10 +226,11 @@ class RecorderTest(unittest.TestCase):
         self.assertTrue(wait(lambda: not self.active() and len(self.rows()) == 2))
         self.assertEqual({row["recovered"] for row in self.rows()}, {"no"})
 
-    def test_what_is_no_bag_is_left_alone(self):
+    def test_what_is_no_bag_is_left_alone_and_what_is_empty_goes(self):
         path = os.path.join(self.folder, "pursuit_2020-01-01-00-00-00_ep0001.bag.active")
         with open(path, "w") as file:
             file.write("something else")
+        open(os.path.join(self.folder, "pursuit_2020-01-01-00-00-00_ep0002.bag.active"), "w").close()
         self.start_and_wait()
         with open(path) as file:
             self.assertEqual(file.read(), "something else")

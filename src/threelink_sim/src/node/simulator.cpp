@@ -19,8 +19,9 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 using std::chrono::steady_clock;
 
-// [1/s] of wall time: above it, /clock, joint_states and pose skip steps, so that a simulation at
-// thousands of steps a second does not wake up every node of the graph for each of them.
+// [1/s] of wall time: above it, /clock, joint_states and pose skip steps. At full speed they go at
+// the display rate, so that thousands of steps a second do not wake up every node of the graph for
+// each.
 constexpr double kStandardRate = 200;
 
 // Bounds of a start state; far beyond any use, and well within what the arithmetic bears.
@@ -63,7 +64,7 @@ Simulator::Simulator(const SimulatorConfig& config)
               std::lock_guard<std::mutex> lock(mutex_);
               display_throttle_.request();
             }),
-      standard_throttle_(kStandardRate),
+      standard_throttle_(config.realtime_factor > 0 ? kStandardRate : config.display_rate),
       display_throttle_(config.display_rate) {
   constexpr bool kLatch = true;
   clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>(topics::kClock, 1, kLatch);

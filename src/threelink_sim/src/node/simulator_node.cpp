@@ -28,7 +28,7 @@ publishes
   /tf           world -> base_link              at ~display_rate
   /clock        rosgraph_msgs/Clock             every step (*)
   /diagnostics  diagnostic_msgs/DiagnosticArray once a second of wall time
-  (*) at most 200 times a second of wall time, the last step always
+  (*) at most 200 times a second of wall time, at full speed ~display_rate; the last step always
 subscribes to
   target        geometry_msgs/PointStamped      from the task: frame `world`, the state's stamp
   hinge_rates   threelink_msgs/HingeRates       from the agent

@@ -1,6 +1,5 @@
 #include "bag_file.hpp"
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
@@ -18,7 +17,6 @@ namespace fs = std::filesystem;
 
 // A chunk is closed by the message that takes it past this; 16 KiB less the largest messages.
 constexpr std::uint32_t kChunkThreshold = 8 * 1024;
-constexpr char kActive[] = ".active";
 
 [[noreturn]] void fail(const std::string& what, const fs::path& path) {
   throw std::runtime_error(fmt::format("{} {}: {}", what, path.string(), std::strerror(errno)));
@@ -36,7 +34,7 @@ std::string date(std::time_t time) {
 fs::path free_path(const fs::path& folder, const std::string& task, std::uint32_t episode) {
   for (std::time_t time = std::time(nullptr);; ++time) {
     const fs::path path = folder / fmt::format("{}_{}_ep{:04}.bag", task, date(time), episode);
-    if (!fs::exists(path) && !fs::exists(path.string() + kActive)) return path;
+    if (!fs::exists(path) && !fs::exists(path.string() + kActiveSuffix)) return path;
   }
 }
 
@@ -59,7 +57,7 @@ BagFile::BagFile(const fs::path& folder, const std::string& task, std::uint32_t 
 BagFile::BagFile(const fs::path& path) : path_(path) { open(); }
 
 void BagFile::open() {
-  active_ = path_.string() + kActive;
+  active_ = path_.string() + kActiveSuffix;
   lock_ = ::open(active_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
   if (lock_ < 0) fail("cannot create", active_);
   if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
@@ -98,21 +96,6 @@ void BagFile::close() {
   sync(active_, O_WRONLY);
   fs::rename(active_, path_);
   sync(path_.parent_path(), O_RDONLY | O_DIRECTORY);
-}
-
-std::vector<fs::path> leftover_bags(const fs::path& folder) {
-  std::vector<fs::path> leftovers;
-  if (!fs::is_directory(folder)) return leftovers;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const fs::path path = entry.path();
-    if (path.extension() != kActive || path.stem().extension() != ".bag") continue;
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) continue;
-    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) leftovers.push_back(path);
-    ::close(descriptor);
-  }
-  std::sort(leftovers.begin(), leftovers.end());
-  return leftovers;
 }
 
 }  // namespace threelink_tasks

@@ -1,21 +1,21 @@
-// The bag of one episode while it is written, and what is left of one whose writer died.
+// The bag of one episode while it is written.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include <boost/make_shared.hpp>
 #include <ros/message_traits.h>
 #include <ros/time.h>
 #include <rosbag/bag.h>
-#include <topic_tools/shape_shifter.h>
 
 namespace threelink_tasks {
+
+// What the name of an open bag ends with.
+constexpr char kActiveSuffix[] = ".active";
 
 // Open, it is named TASK_YYYY-mm-dd-HH-MM-SS_epNNNN.bag.active and locked (flock), so that no other
 // recorder takes it for a leftover. rosbag::BagException and std::runtime_error from any member but
@@ -76,14 +76,5 @@ void BagFile::write_latched(const std::string& topic, const ros::Time& time,
                                 {"latching", "1"}}));
   ++messages_;
 }
-
-// Bags in the folder that were left open, and that nobody holds.
-std::vector<std::filesystem::path> leftover_bags(const std::filesystem::path& folder);
-
-// Calls `take` with every whole message of a bag without an index, in the order of the file.
-// Throws std::runtime_error if the file cannot be read or is no bag.
-void read_leftover(const std::filesystem::path& path,
-                   const std::function<void(const std::string& topic, const ros::Time& time,
-                                            const topic_tools::ShapeShifter& message)>& take);
 
 }  // namespace threelink_tasks

@@ -2,20 +2,31 @@
 //
 // Without compression a chunk is a bracket around records. Going into every chunk, also one whose
 // size was never filled in, gives all messages that reached the file.
+#include "leftover_bag.hpp"
+
+#include <algorithm>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <optional>
 #include <stdexcept>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <ros/serialization.h>
+#include <sys/file.h>
+#include <topic_tools/shape_shifter.h>
+#include <unistd.h>
 
 #include "bag_file.hpp"
 
 namespace threelink_tasks {
 namespace {
 
+namespace fs = std::filesystem;
+
+const std::string kRecovered = "_recovered";
 constexpr char kMagic[] = "#ROSBAG V2.0\n";
 constexpr std::uint8_t kMessageData = 0x02, kChunk = 0x05, kConnection = 0x07;
 
@@ -23,8 +34,8 @@ using Fields = std::map<std::string, std::string>;
 
 class RecordReader {
  public:
-  explicit RecordReader(const std::filesystem::path& path)
-      : file_(path, std::ios::binary), left_(std::filesystem::file_size(path)) {
+  explicit RecordReader(const fs::path& path)
+      : file_(path, std::ios::binary), left_(fs::file_size(path)) {
     if (read(std::strlen(kMagic)) != kMagic)
       throw std::runtime_error(fmt::format("{} is not a bag of format 2.0", path.string()));
   }
@@ -89,9 +100,8 @@ struct Connection {
   topic_tools::ShapeShifter message;
 };
 
-}  // namespace
-
-void read_leftover(const std::filesystem::path& path,
+// Calls `take` with every whole message of a bag without an index, in the order of the file.
+void read_messages(const fs::path& path,
                    const std::function<void(const std::string&, const ros::Time&,
                                             const topic_tools::ShapeShifter&)>& take) {
   RecordReader reader(path);
@@ -123,6 +133,66 @@ void read_leftover(const std::filesystem::path& path,
            connection.message);
     }
   }
+}
+
+void tell(EpisodeStory& story, const topic_tools::ShapeShifter& message) {
+  const auto tell_as = [&](auto type) {
+    using Message = decltype(type);
+    if (message.getDataType() == ros::message_traits::datatype<Message>())
+      story.hear(*message.instantiate<Message>());
+  };
+  tell_as(threelink_msgs::Episode());
+  tell_as(threelink_msgs::SwimmerState());
+  tell_as(threelink_msgs::Observation());
+}
+
+}  // namespace
+
+std::vector<fs::path> leftover_bags(const fs::path& folder) {
+  std::vector<fs::path> leftovers;
+  std::error_code unreadable;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
+    const fs::path path = entry.path();
+    if (path.extension() != kActiveSuffix || path.stem().extension() != ".bag") continue;
+    // What an interrupted recovery has written is written anew from its leftover.
+    const std::string name = path.stem().stem();
+    if (name.size() > kRecovered.size() &&
+        name.compare(name.size() - kRecovered.size(), kRecovered.size(), kRecovered) == 0)
+      continue;
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) continue;
+    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) leftovers.push_back(path);
+    ::close(descriptor);
+  }
+  std::sort(leftovers.begin(), leftovers.end());
+  return leftovers;
+}
+
+IndexRow recover_leftover(const fs::path& leftover) {
+  const std::string name = leftover.stem().stem();  // without .bag.active
+  const fs::path path = leftover.parent_path() / (name + kRecovered + ".bag");
+  EpisodeStory story;
+  std::uint64_t messages = 0;
+  try {
+    BagFile bag(path);
+    read_messages(leftover, [&](const std::string& topic, const ros::Time& time,
+                                const topic_tools::ShapeShifter& message) {
+      bag.write(topic, time, message);
+      tell(story, message);
+    });
+    bag.close();
+    messages = bag.messages();
+  } catch (const std::exception&) {
+    std::error_code ignored;
+    fs::remove(path.string() + kActiveSuffix, ignored);
+    throw;
+  }
+  fs::remove(leftover);
+  IndexRow row = story.row();
+  row.bag = path.filename();
+  row.messages = messages;
+  row.recovered = true;
+  return row;
 }
 
 }  // namespace threelink_tasks

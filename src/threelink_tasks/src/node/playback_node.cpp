@@ -34,11 +34,11 @@ subscribes to
   state         threelink_msgs/SwimmerState     as recorded
   target        geometry_msgs/PointStamped      as recorded
 publishes
-  joint_states  sensor_msgs/JointState          every state
-  /tf           world -> base_link              every state
-  markers       visualization_msgs/MarkerArray  30 times a second of wall time
-  swimmer_path  nav_msgs/Path                   likewise
-  target_path   nav_msgs/Path                   likewise
+  joint_states  sensor_msgs/JointState          all of these at most 30 times a second of wall time
+  /tf           world -> base_link
+  markers       visualization_msgs/MarkerArray
+  swimmer_path  nav_msgs/Path
+  target_path   nav_msgs/Path
 parameters
   ~bag          path of the bag that is played: its units are those of the episode
 )";
@@ -74,33 +74,41 @@ class Playback {
     while (threelink_sim::running()) {
       ros::WallDuration(kDisplayPeriod).sleep();
       ros::getGlobalCallbackQueue()->callAvailable();
-      view_.draw();
-      path_publisher_.publish(target_path_.message());
+      show_latest();
     }
     return threelink_sim::kSuccess;
   }
 
  private:
+  void show_latest() {
+    if (state_stamp_ == shown_stamp_) return;
+    shown_stamp_ = state_stamp_;
+    joint_publisher_.publish(joints_);
+    transform_publisher_.sendTransform(transform_);
+    view_.draw();
+    path_publisher_.publish(target_path_.message());
+  }
+
   void on_state(const threelink_msgs::SwimmerState& state) {
-    // Time goes back when the bag starts anew.
-    if (state.header.stamp <= state_stamp_) target_path_.clear();
     state_stamp_ = state.header.stamp;
-    step_ = state.step;
     view_.add(state);
     threelink_sim::to_joint_state(state, config_.scales, joints_);
-    joint_publisher_.publish(joints_);
-    geometry_msgs::TransformStamped transform;
-    threelink_sim::to_transform(state, config_.scales, transform);
-    transform_publisher_.sendTransform(transform);
+    threelink_sim::to_transform(state, config_.scales, transform_);
   }
 
   void on_target(const geometry_msgs::PointStamped& target) {
+    // Time goes back when the bag starts anew; the last targets may come after the first states.
+    if (target.header.stamp <= target_stamp_) {
+      target_path_.clear();
+      targets_ = 0;
+    }
+    target_stamp_ = target.header.stamp;
     view_.set_target({target.point.x, target.point.y});
     geometry_msgs::PoseStamped pose;
     pose.header = target.header;
     pose.pose.position = target.point;
     pose.pose.orientation.w = 1;
-    target_path_.add(step_, pose);
+    target_path_.add(targets_++, pose);
   }
 
   threelink_sim::SwimmerViewConfig config_;
@@ -109,9 +117,10 @@ class Playback {
   tf2_ros::TransformBroadcaster transform_publisher_;
   ros::Publisher joint_publisher_, path_publisher_;
   sensor_msgs::JointState joints_;
+  geometry_msgs::TransformStamped transform_;
   threelink_sim::ThinnedPath target_path_;
-  ros::Time state_stamp_;
-  std::uint64_t step_ = 0;
+  ros::Time state_stamp_, shown_stamp_, target_stamp_;
+  std::uint64_t targets_ = 0;  // since the start
   ros::Subscriber state_subscriber_, target_subscriber_;
 };
 

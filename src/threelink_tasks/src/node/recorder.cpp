@@ -9,10 +9,12 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <ros/callback_queue.h>
 #include <ros/console.h>
+#include <ros/poll_manager.h>
 #include <sensor_msgs/JointState.h>
 #include <threelink_msgs/HingeRates.h>
 #include <threelink_msgs/Observation.h>
 
+#include "leftover_bag.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
 
@@ -31,10 +33,12 @@ constexpr char kStaticTransforms[] = "/tf_static";
 
 constexpr std::uint32_t kQueue = 100000;  // messages a topic: some seconds of a slow disk
 constexpr std::size_t kMaxEarly = 10000;  // messages that wait for an episode to start
-constexpr auto kNap = 5ms;
-constexpr auto kSettled = 100ms;  // connections are up for good after this
-constexpr auto kQuiet = 15ms;     // an episode is over when nothing came for this long
-constexpr auto kPatience = 1s;    // after its end was announced
+constexpr auto kNap = 2ms;                // between looks at what has arrived
+constexpr auto kSettled = 100ms;          // connections are up for good after this
+// An episode is over when nothing came for this long: what is displayed 30 times a second comes
+// last.
+constexpr auto kQuiet = 60ms;
+constexpr auto kPatience = 1s;  // after its end was announced
 
 template <class Message>
 ros::Time stamp_of(const Message& message) {
@@ -42,17 +46,6 @@ ros::Time stamp_of(const Message& message) {
 }
 ros::Time stamp_of(const tf2_msgs::TFMessage& message) {
   return message.transforms.empty() ? ros::Time() : message.transforms[0].header.stamp;
-}
-
-void tell(EpisodeStory& story, const topic_tools::ShapeShifter& message) {
-  const auto tell_as = [&](auto type) {
-    using Message = decltype(type);
-    if (message.getDataType() == ros::message_traits::datatype<Message>())
-      story.hear(*message.instantiate<Message>());
-  };
-  tell_as(Episode());
-  tell_as(threelink_msgs::SwimmerState());
-  tell_as(threelink_msgs::Observation());
 }
 
 }  // namespace
@@ -66,11 +59,10 @@ Recorder::Recorder(const RecorderParameters& parameters)
       states_missing_(diagnostics_.refusals("states missing")),
       failures_(diagnostics_.refusals("bags failed")),
       recording_(node_.advertise<Recording>(topics::kRecording, 10, true)) {
-  try {
-    for (const fs::path& leftover : leftover_bags(parameters_.folder)) recover(leftover);
-  } catch (const fs::filesystem_error& error) {
-    ROS_ERROR("cannot look for bags that were left open: %s", error.what());
-  }
+  recover_leftovers();
+  // Waking up for each message takes more of the machine than recording it, and the machine is busy
+  // with the loop that is recorded: the network thread naps as run() does.
+  ros::PollManager::instance()->addPollThreadListener([] { std::this_thread::sleep_for(kNap); });
   listen<threelink_msgs::SwimmerState>(topics::kState);
   listen<geometry_msgs::PointStamped>(topics::kTarget);
   listen<threelink_msgs::Observation>(topics::kObservation);
@@ -86,7 +78,6 @@ Recorder::Recorder(const RecorderParameters& parameters)
 
 int Recorder::run() {
   while (threelink_sim::running()) {
-    // Waking up for each message would take more time than recording it.
     std::this_thread::sleep_for(kNap);
     ros::getGlobalCallbackQueue()->callAvailable();
     if (!ready_) announce_ready();
@@ -193,7 +184,7 @@ bool Recorder::is_new(const threelink_msgs::SwimmerState& message) {
 }
 
 void Recorder::fail(const std::string& reason) {
-  const std::string name = open_->bag ? open_->bag->path().string() + ".active"
+  const std::string name = open_->bag ? open_->bag->path().string() + kActiveSuffix
                                       : "a new bag in " + parameters_.folder.string();
   open_->failure = fmt::format("episode {} is not recorded: {}: {}", open_->number, name, reason);
   ++failures_;
@@ -258,31 +249,20 @@ void Recorder::close_episode(bool picture) {
 
 // --- The rest ------------------------------------------------------------------------------------
 
-void Recorder::recover(const fs::path& leftover) {
-  const std::string name = leftover.stem().stem();  // without .bag.active
-  const fs::path path = leftover.parent_path() / (name + "_recovered.bag");
-  try {
-    BagFile bag(path);
-    EpisodeStory story;
-    const auto take = [&](const std::string& topic, const ros::Time& time,
-                          const topic_tools::ShapeShifter& message) {
-      bag.write(topic, time, message);
-      tell(story, message);
-    };
-    read_leftover(leftover, take);
-    bag.close();
-    fs::remove(leftover);
-    IndexRow row = story.row();
-    row.bag = path.filename();
-    row.messages = bag.messages();
-    row.recovered = true;
-    append_to_index(parameters_.folder, row);
-    ROS_WARN("recovered %lu messages of episode %u, whose recorder died: %s", row.messages,
-             row.episode, path.c_str());
-  } catch (const std::exception& error) {
-    ROS_ERROR("cannot recover %s: %s", leftover.c_str(), error.what());
-    std::error_code ignored;
-    fs::remove(path.string() + ".active", ignored);
+void Recorder::recover_leftovers() {
+  for (const fs::path& leftover : leftover_bags(parameters_.folder)) {
+    try {
+      if (fs::is_empty(leftover)) {  // its recorder died before the first message
+        fs::remove(leftover);
+        continue;
+      }
+      const IndexRow row = recover_leftover(leftover);
+      append_to_index(parameters_.folder, row);
+      ROS_WARN("recovered %lu messages of episode %u, whose recorder died: %s", row.messages,
+               row.episode, (parameters_.folder / row.bag).c_str());
+    } catch (const std::exception& error) {
+      ROS_ERROR("cannot recover %s: %s", leftover.c_str(), error.what());
+    }
   }
 }
 

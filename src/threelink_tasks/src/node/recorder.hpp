@@ -90,7 +90,7 @@ class Recorder {
   bool all_arrived() const;
   void close_episode(bool picture);
 
-  void recover(const std::filesystem::path& leftover);
+  void recover_leftovers();
   void announce_ready();
   void announce_finished();
   void end_open_episode();
