@@ -26,20 +26,13 @@ from rosgraph_msgs.msg import Clock
 
 from threelink_msgs.msg import Episode, SwimmerState
 
+from waiting import wait
+
 LAUNCH = os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../scripts/launch.py")
 POLICY = os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
                       "config/policies/vfs.safetensors")
 NAMESPACE = "/threelink/"
 LOOP = ("state", "target", "observation", "hinge_rates")
-
-
-def wait(condition, seconds=20.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.01)
-    return True
 
 
 def launch(file, **arguments):

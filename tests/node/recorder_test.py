@@ -6,7 +6,6 @@ import resource
 import shutil
 import subprocess
 import tempfile
-import time
 import unittest
 
 import rosbag
@@ -21,17 +20,10 @@ from tf2_msgs.msg import TFMessage
 from threelink_msgs.msg import (Episode, EpisodeAbort, HingeRates, Observation, Recording,
                                 SwimmerState)
 
+from waiting import wait
+
 PROGRAM = roslib.packages.find_node("threelink_tasks", "recorder_node")[0]
 NODE = "/threelink/recorder"
-
-
-def wait(condition, seconds=10.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.005)
-    return True
 
 
 class Peers:

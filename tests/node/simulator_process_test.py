@@ -19,6 +19,8 @@ from rosgraph_msgs.msg import Clock
 from threelink_msgs.msg import EpisodeAbort, HingeRates, Observation, SwimmerState
 from threelink_msgs.srv import Reset
 
+from waiting import wait
+
 NODE = "/threelink/simulator"
 PROGRAM = roslib.packages.find_node("threelink_sim", "simulator_node")[0]
 
@@ -55,15 +57,6 @@ BAD_PARAMETERS = [
      "/length_scale"),
     ("realtime: 1.0", "realtime: no such parameter"),
 ]
-
-
-def wait(condition, seconds=10.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.005)
-    return True
 
 
 def start(arguments=("__name:=simulator", "__ns:=threelink"), **environment):

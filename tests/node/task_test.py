@@ -2,7 +2,6 @@
 """The task node alone: parameters, a simulator and a recorder that fail it, states out of order."""
 import os
 import subprocess
-import time
 import unittest
 
 import rospkg
@@ -14,6 +13,8 @@ from geometry_msgs.msg import PointStamped
 
 from threelink_msgs.msg import Episode, EpisodeAbort, Recording, SwimmerState
 from threelink_msgs.srv import Reset, ResetResponse
+
+from waiting import wait
 
 PROGRAM = roslib.packages.find_node("threelink_tasks", "task_node")[0]
 POLICY = os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
@@ -40,15 +41,6 @@ BAD_PARAMETERS = [
     ({"simulator": "nobody"}, "/threelink/nobody"),
     ({"treshold": 0.001}, "threshold"),
 ]
-
-
-def wait(condition, seconds=10.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        if time.monotonic() > end:
-            return False
-        time.sleep(0.005)
-    return True
 
 
 class Simulator:

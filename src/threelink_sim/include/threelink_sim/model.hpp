@@ -32,8 +32,9 @@ struct Model {
 };
 
 // Substeps of a step of length dt [T0] under hinge rates of at most max_rate [1/T0]. One is enough
-// for dt max_rate <= 0.1 up to six links (60 steps stay within 1e-12); more angle a step or more
-// links take proportionally more, which also keeps the small angles of the kernels small.
+// for dt max_rate <= 0.1 up to six links (60 steps stay within 1e-12 for three links, 1e-11 for
+// more); more angle a step or more links take proportionally more, which also keeps the small
+// angles of the kernels small.
 int substeps(const Model& model, double dt, double max_rate);
 
 KernelModel kernel_model(const Model& model);
