@@ -11,6 +11,7 @@
 #include <rosgraph_msgs/Clock.h>
 #include <threelink_msgs/EpisodeAbort.h>
 
+#include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
 
 namespace threelink_sim {

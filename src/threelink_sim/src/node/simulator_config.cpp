@@ -24,7 +24,7 @@ Lockstep::Config SimulatorConfig::lockstep() const {
   return config;
 }
 
-SimulatorConfig read_simulator_config(Parameters& parameters) {
+SimulatorConfig read_simulator_config(ParameterMap& parameters) {
   SimulatorConfig config;
   Model& model = config.environment.model;
   model.links = parameters.integer("links", {2, kMaxLinks}, 3);

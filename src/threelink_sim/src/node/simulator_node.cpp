@@ -5,6 +5,8 @@
 #include <ros/this_node.h>
 
 #include "simulator.hpp"
+#include "threelink_sim/node/node_main.hpp"
+#include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/topics.hpp"
 
 namespace threelink_sim {

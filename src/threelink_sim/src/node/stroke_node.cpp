@@ -11,6 +11,7 @@
 
 #include "threelink_sim/model.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
+#include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/topics.hpp"
 

@@ -37,6 +37,14 @@ typedef float FloatPack __attribute__((vector_size(kRegister)));
 typedef long long LongPack __attribute__((vector_size(kRegister)));
 typedef int IntPack __attribute__((vector_size(kRegister)));
 
+// For what would leave most of a register empty. Either is the FloatPack where that is as narrow.
+typedef float QuadPack __attribute__((vector_size(16)));
+#if defined(__AVX2__)
+typedef float OctPack __attribute__((vector_size(32)));
+#else
+typedef QuadPack OctPack;
+#endif
+
 template <class R>
 struct LaneTraits;
 template <>
@@ -63,6 +71,22 @@ struct LaneTraits<FloatPack> {
   using Int = IntPack;
   static constexpr int kWidth = kRegister / 4;
 };
+#if defined(__AVX2__)
+template <>
+struct LaneTraits<QuadPack> {
+  using Scalar = float;
+  typedef int Int __attribute__((vector_size(16)));
+  static constexpr int kWidth = 4;
+};
+#endif
+#if defined(__AVX512F__)
+template <>
+struct LaneTraits<OctPack> {
+  using Scalar = float;
+  typedef int Int __attribute__((vector_size(32)));
+  static constexpr int kWidth = 8;
+};
+#endif
 
 template <class R>
 using Int = typename LaneTraits<R>::Int;
@@ -72,6 +96,9 @@ using Int = typename LaneTraits<R>::Int;
 constexpr bool kFused = true;
 inline double fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
 inline float fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
+inline QuadPack fma(QuadPack a, QuadPack b, QuadPack c) {
+  return (QuadPack)_mm_fmadd_ps((__m128)a, (__m128)b, (__m128)c);
+}
 #if defined(__AVX512F__)
 inline DoublePack fma(DoublePack a, DoublePack b, DoublePack c) {
   return (DoublePack)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
@@ -83,10 +110,10 @@ inline FloatPack fma(FloatPack a, FloatPack b, FloatPack c) {
 inline DoublePack fma(DoublePack a, DoublePack b, DoublePack c) {
   return (DoublePack)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
 }
-inline FloatPack fma(FloatPack a, FloatPack b, FloatPack c) {
-  return (FloatPack)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
-}
 #endif
+inline OctPack fma(OctPack a, OctPack b, OctPack c) {
+  return (OctPack)_mm256_fmadd_ps((__m256)a, (__m256)b, (__m256)c);
+}
 #else
 constexpr bool kFused = false;
 template <class R>
@@ -99,11 +126,17 @@ inline double sqrt(double x) { return __builtin_sqrt(x); }
 inline float sqrt(float x) { return __builtin_sqrtf(x); }
 #if defined(__AVX512F__)
 inline DoublePack sqrt(DoublePack x) { return (DoublePack)_mm512_maskz_sqrt_pd(0xff, (__m512d)x); }
+inline FloatPack sqrt(FloatPack x) { return (FloatPack)_mm512_maskz_sqrt_ps(0xffff, (__m512)x); }
 #elif defined(__AVX2__)
 inline DoublePack sqrt(DoublePack x) { return (DoublePack)_mm256_sqrt_pd((__m256d)x); }
+inline FloatPack sqrt(FloatPack x) { return (FloatPack)_mm256_sqrt_ps((__m256)x); }
 #else
 inline DoublePack sqrt(DoublePack x) {
   return DoublePack{__builtin_sqrt(x[0]), __builtin_sqrt(x[1])};
+}
+inline FloatPack sqrt(FloatPack x) {
+  return FloatPack{__builtin_sqrtf(x[0]), __builtin_sqrtf(x[1]), __builtin_sqrtf(x[2]),
+                   __builtin_sqrtf(x[3])};
 }
 #endif
 
@@ -118,6 +151,37 @@ template <class Mask, class R>
 inline R select(Mask mask, R a, R b) {
   return mask ? a : b;
 }
+
+// The smaller and the larger of two floats; x if either is NaN.
+inline float min(float bound, float x) { return bound < x ? bound : x; }
+inline float max(float bound, float x) { return bound > x ? bound : x; }
+#if defined(__x86_64__)
+inline QuadPack min(QuadPack bound, QuadPack x) {
+  return (QuadPack)_mm_min_ps((__m128)bound, (__m128)x);
+}
+inline QuadPack max(QuadPack bound, QuadPack x) {
+  return (QuadPack)_mm_max_ps((__m128)bound, (__m128)x);
+}
+#if defined(__AVX512F__)
+inline FloatPack min(FloatPack bound, FloatPack x) {
+  return (FloatPack)_mm512_maskz_min_ps(0xffff, (__m512)bound, (__m512)x);
+}
+inline FloatPack max(FloatPack bound, FloatPack x) {
+  return (FloatPack)_mm512_maskz_max_ps(0xffff, (__m512)bound, (__m512)x);
+}
+#endif
+#if defined(__AVX2__)
+inline OctPack min(OctPack bound, OctPack x) {
+  return (OctPack)_mm256_min_ps((__m256)bound, (__m256)x);
+}
+inline OctPack max(OctPack bound, OctPack x) {
+  return (OctPack)_mm256_max_ps((__m256)bound, (__m256)x);
+}
+#endif
+#else
+inline QuadPack min(QuadPack bound, QuadPack x) { return bound < x ? bound : x; }
+inline QuadPack max(QuadPack bound, QuadPack x) { return bound > x ? bound : x; }
+#endif
 
 template <class R, class Scalar>
 inline R load(const Scalar* from) {

@@ -2,21 +2,16 @@
 #pragma once
 
 #include <functional>
-#include <stdexcept>
 #include <string>
 
-namespace threelink_sim {
+#include "threelink_sim/parameter_map.hpp"
 
-// Something that the user has to put right: what() says what, and the node exits with kBadInput.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace threelink_sim {
 
 enum ExitStatus : int {
   kSuccess = 0,
   kFailure = 1,      // an error of the node itself
-  kBadInput = 2,     // bad arguments, parameters or files
+  kBadInput = 2,     // UsageError: bad arguments, parameters or files
   kMasterLost = 75,  // no ROS master, or it went away (EX_TEMPFAIL: worth another try)
 };
 

@@ -7,7 +7,7 @@
 #include "threelink_sim/environment.hpp"
 #include "threelink_sim/lockstep.hpp"
 #include "threelink_sim/node/conversions.hpp"
-#include "threelink_sim/node/parameters.hpp"
+#include "threelink_sim/parameter_map.hpp"
 
 namespace threelink_sim {
 
@@ -29,7 +29,7 @@ struct SimulatorConfig {
   Lockstep::Config lockstep() const;
 };
 
-// Throws ParameterError.
-SimulatorConfig read_simulator_config(Parameters& parameters);
+// From the node's own parameters, or as they were recorded. Throws ParameterError.
+SimulatorConfig read_simulator_config(ParameterMap& parameters);
 
 }  // namespace threelink_sim

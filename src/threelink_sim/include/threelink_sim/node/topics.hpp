@@ -16,9 +16,16 @@ constexpr char kAbort[] = "abort";
 constexpr char kRecording[] = "recording";
 constexpr char kPolicy[] = "policy";
 constexpr char kTrainingStatus[] = "training_status";
+constexpr char kWorkers[] = "workers";
+constexpr char kLeases[] = "leases";
+constexpr char kEpisodes[] = "episodes";
 constexpr char kMarkers[] = "markers";
 constexpr char kSwimmerPath[] = "swimmer_path";
 constexpr char kTargetPath[] = "target_path";
+constexpr char kWaypoints[] = "waypoints";
+constexpr char kTargetMarker[] = "target_marker";    // interactive
+constexpr char kClickedPoint[] = "/clicked_point";   // rviz's "Publish Point"
+constexpr char kRunEpisode[] = "run_episode";        // action
 constexpr char kReset[] = "reset";             // service
 constexpr char kLoadPolicy[] = "load_policy";  // service
 

@@ -1,0 +1,101 @@
+// Strict reading of named values: what is wrong is an error, never a default.
+//
+// The values are YAML, of a file, a message or (threelink_sim/node/parameters.hpp) ROS parameters.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <yaml-cpp/yaml.h>
+
+namespace threelink_sim {
+
+// Something that the user has to put right: what() says what, and a program exits with 2.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// what() gives the parameter's full name, its value, its type and what it must be.
+class ParameterError : public UsageError {
+ public:
+  using UsageError::UsageError;
+};
+
+// Closed interval.
+template <class T>
+struct Range {
+  T low;
+  T high;
+};
+
+// All digits, and with the point without which ROS 1 takes 5e-05 for text and 1 for a whole number.
+std::string yaml_number(double value);
+// In quotes, with whatever escapes it needs.
+std::string yaml_text(const std::string& text);
+
+// Every getter throws ParameterError if the parameter is of another type or out of range, or if it
+// is absent and has no default. A whole number is accepted where a real one is wanted, not the
+// other way round; NaN and infinities never are, nor is a number in quotes.
+class ParameterMap {
+ public:
+  using Points = std::vector<Eigen::Vector2d>;
+
+  // `values` is a map, or null for an empty one; `scope` is what names begin with in messages.
+  ParameterMap(const std::string& scope, const YAML::Node& values);
+
+  double real(const std::string& name, Range<double> range, std::optional<double> fallback = {});
+  int integer(const std::string& name, Range<int> range, std::optional<int> fallback = {});
+  bool flag(const std::string& name, std::optional<bool> fallback = {});
+  std::string text(const std::string& name, std::optional<std::string> fallback = {});
+  // One of several words.
+  std::string choice(const std::string& name, const std::vector<std::string>& words,
+                     std::optional<std::string> fallback = {});
+  // A list of pairs [x, y], each number within the range; or text, which `from_text` turns into
+  // such a list, or throws UsageError. A default that is null makes the parameter required.
+  Points points(const std::string& name, Range<double> range,
+                const std::function<Points(const std::string&)>& from_text,
+                const Points* fallback = nullptr);
+
+  bool has(const std::string& name) const { return values_.IsMap() && values_[name]; }
+
+  // To be called after the last getter: refuses parameters that no getter asked for, and names the
+  // nearest one that exists.
+  void finish() const;
+  // Makes finish() accept a parameter that is for somebody else.
+  void ignore(const std::string& name) { known_.insert(name); }
+  // The same values for another reader: finish() knows what was asked for up to now, effective()
+  // does not.
+  ParameterMap for_another_reader() const {
+    ParameterMap copy(*this);
+    copy.effective_.clear();
+    return copy;
+  }
+
+  // For values that are well formed and yet wrong, such as the name of a broken file.
+  [[noreturn]] void refuse(const std::string& name, const std::string& reason) const;
+
+  // What the getters returned, in the order of the calls: a line "NAME: VALUE" of YAML each, which
+  // reads back to the same values, to the bit.
+  std::string effective(const std::string& indent = "") const;
+
+ private:
+  // Undefined if it is absent and may be.
+  YAML::Node find(const std::string& name, bool required);
+  double number(const std::string& name, const YAML::Node& value, Range<double> range) const;
+  template <class Value>
+  Value keep(const std::string& name, const Value& value, const std::string& yaml);
+
+  std::string scope_;
+  YAML::Node values_;
+  std::set<std::string> known_;
+  std::vector<std::pair<std::string, std::string>> effective_;
+};
+
+}  // namespace threelink_sim

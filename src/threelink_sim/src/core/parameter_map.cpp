@@ -1,0 +1,228 @@
+#include "threelink_sim/parameter_map.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "threelink_sim/nearest_name.hpp"
+
+namespace threelink_sim {
+namespace {
+
+enum class Type { kBool, kInt, kDouble, kString, kList, kDictionary, kOther };
+
+// A word without quotes as a number, all of it; nothing if it is none.
+std::optional<long> as_whole(const std::string& word) {
+  char* end = nullptr;
+  errno = 0;
+  const long number = std::strtol(word.c_str(), &end, 10);
+  if (word.empty() || *end != '\0' || errno == ERANGE) return {};
+  return number;
+}
+
+std::optional<double> as_real(const std::string& word) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (word == ".nan") return std::numeric_limits<double>::quiet_NaN();
+  if (word == ".inf") return kInfinity;
+  if (word == "-.inf") return -kInfinity;
+  if (word.find_first_not_of("0123456789.eE+-") != std::string::npos) return {};
+  char* end = nullptr;
+  const double number = std::strtod(word.c_str(), &end);
+  if (word.empty() || *end != '\0') return {};
+  return number;
+}
+
+Type type_of(const YAML::Node& value) {
+  if (value.IsSequence()) return Type::kList;
+  if (value.IsMap()) return Type::kDictionary;
+  if (!value.IsScalar()) return Type::kOther;
+  const std::string& word = value.Scalar();
+  if (value.Tag() == "!") return Type::kString;  // in quotes
+  if (word == "true" || word == "false") return Type::kBool;
+  if (as_whole(word)) return Type::kInt;
+  return as_real(word) ? Type::kDouble : Type::kString;
+}
+
+std::string describe(const YAML::Node& value) {
+  switch (type_of(value)) {
+    case Type::kBool:
+      return value.Scalar() + " (bool)";
+    case Type::kInt:
+      return value.Scalar() + " (int)";
+    case Type::kDouble:
+      return fmt::format("{:.10g} (double)", *as_real(value.Scalar()));
+    case Type::kString:
+      return fmt::format("\"{}\" (string)", value.Scalar());
+    case Type::kList:
+      return "a list";
+    case Type::kDictionary:
+      return "a dictionary";
+    default:
+      return "a value of another type";
+  }
+}
+
+// How YAML wants a number that it took for text: with a point, and with a sign in the exponent.
+std::string advice_on_text(const std::string& text) {
+  const std::optional<double> number = as_real(text);
+  if (!number || !std::isfinite(*number)) return "";
+  const std::size_t e = std::min(text.find_first_of("eE"), text.size());
+  std::string mantissa = text.substr(0, e), exponent = text.substr(e);
+  if (exponent.empty()) return "; write it without quotes";
+  if (mantissa.find('.') == std::string::npos) mantissa += ".0";
+  if (std::isdigit(exponent[1])) exponent.insert(1, "+");
+  return fmt::format("; write {}{}, which YAML takes for a number", mantissa, exponent);
+}
+
+}  // namespace
+
+std::string yaml_number(double value) {
+  if (std::isnan(value)) return ".nan";
+  if (std::isinf(value)) return value > 0 ? ".inf" : "-.inf";
+  std::string text = fmt::format("{}", value);
+  if (text.find('.') == std::string::npos) text.insert(std::min(text.find('e'), text.size()), ".0");
+  return text;
+}
+
+std::string yaml_text(const std::string& text) {
+  YAML::Emitter emitter;
+  emitter << YAML::DoubleQuoted << text;
+  return emitter.c_str();
+}
+
+ParameterMap::ParameterMap(const std::string& scope, const YAML::Node& values)
+    : scope_(scope), values_(values) {
+  if (values_.IsDefined() && !values_.IsNull() && !values_.IsMap())
+    throw ParameterError(
+        fmt::format("{} = {}: must be a dictionary of parameters", scope_, describe(values_)));
+}
+
+YAML::Node ParameterMap::find(const std::string& name, bool required) {
+  known_.insert(name);
+  if (has(name)) return values_[name];
+  if (required) throw ParameterError(fmt::format("{}/{} is missing", scope_, name));
+  return YAML::Node(YAML::NodeType::Undefined);
+}
+
+void ParameterMap::refuse(const std::string& name, const std::string& reason) const {
+  if (!has(name)) throw ParameterError(fmt::format("{}/{}: {}", scope_, name, reason));
+  throw ParameterError(
+      fmt::format("{}/{} = {}: {}", scope_, name, describe(values_[name]), reason));
+}
+
+template <class Value>
+Value ParameterMap::keep(const std::string& name, const Value& value, const std::string& yaml) {
+  effective_.emplace_back(name, yaml);
+  return value;
+}
+
+double ParameterMap::number(const std::string& name, const YAML::Node& value,
+                            Range<double> range) const {
+  const Type type = type_of(value);
+  if (type == Type::kString) refuse(name, "must be a number" + advice_on_text(value.Scalar()));
+  if (type != Type::kInt && type != Type::kDouble) refuse(name, "must be a number");
+  const double number = *as_real(value.Scalar());
+  if (!std::isfinite(number)) refuse(name, "must be finite");
+  if (number < range.low || number > range.high)
+    refuse(name, fmt::format("must be in [{:.10g}, {:.10g}]", range.low, range.high));
+  return number;
+}
+
+double ParameterMap::real(const std::string& name, Range<double> range,
+                          std::optional<double> fallback) {
+  const YAML::Node value = find(name, !fallback);
+  const double result = value.IsDefined() ? number(name, value, range) : *fallback;
+  return keep(name, result, yaml_number(result));
+}
+
+int ParameterMap::integer(const std::string& name, Range<int> range, std::optional<int> fallback) {
+  const YAML::Node value = find(name, !fallback);
+  if (!value.IsDefined()) return keep(name, *fallback, fmt::format("{}", *fallback));
+  const Type type = type_of(value);
+  if (type == Type::kString)
+    refuse(name, "must be a whole number" + advice_on_text(value.Scalar()));
+  if (type != Type::kInt) refuse(name, "must be a whole number");
+  const long number = *as_whole(value.Scalar());
+  if (number < range.low || number > range.high)
+    refuse(name, fmt::format("must be in [{}, {}]", range.low, range.high));
+  return keep(name, static_cast<int>(number), fmt::format("{}", number));
+}
+
+bool ParameterMap::flag(const std::string& name, std::optional<bool> fallback) {
+  const YAML::Node value = find(name, !fallback);
+  if (value.IsDefined() && type_of(value) != Type::kBool) refuse(name, "must be true or false");
+  const bool result = value.IsDefined() ? value.Scalar() == "true" : *fallback;
+  return keep(name, result, result ? "true" : "false");
+}
+
+std::string ParameterMap::text(const std::string& name, std::optional<std::string> fallback) {
+  const YAML::Node value = find(name, !fallback);
+  if (value.IsDefined() && type_of(value) != Type::kString) refuse(name, "must be text");
+  const std::string result = value.IsDefined() ? value.Scalar() : *fallback;
+  return keep(name, result, yaml_text(result));
+}
+
+std::string ParameterMap::choice(const std::string& name, const std::vector<std::string>& words,
+                                 std::optional<std::string> fallback) {
+  const std::string word = text(name, fallback);
+  if (std::find(words.begin(), words.end(), word) == words.end())
+    refuse(name, fmt::format("must be one of: {}", fmt::join(words, ", ")));
+  return word;
+}
+
+ParameterMap::Points ParameterMap::points(
+    const std::string& name, Range<double> range,
+    const std::function<Points(const std::string&)>& from_text, const Points* fallback) {
+  const YAML::Node value = find(name, !fallback);
+  Points points;
+  if (!value.IsDefined()) {
+    points = *fallback;
+  } else if (type_of(value) == Type::kString) {
+    try {
+      points = from_text(value.Scalar());
+    } catch (const UsageError& error) {
+      refuse(name, error.what());
+    }
+  } else if (type_of(value) != Type::kList) {
+    refuse(name, "must be a list of pairs [x, y], or a file of them");
+  } else {
+    for (const YAML::Node& pair : value) {
+      if (!pair.IsSequence() || pair.size() != 2)
+        refuse(name, fmt::format("entry {} must be a pair [x, y]", points.size()));
+      points.emplace_back(number(name, pair[0], range), number(name, pair[1], range));
+    }
+  }
+  std::vector<std::string> pairs;
+  for (const Eigen::Vector2d& point : points)
+    pairs.push_back(fmt::format("[{}, {}]", yaml_number(point.x()), yaml_number(point.y())));
+  return keep(name, points, fmt::format("[{}]", fmt::join(pairs, ", ")));
+}
+
+void ParameterMap::finish() const {
+  if (!values_.IsMap()) return;
+  std::set<std::string> given;
+  for (const auto& item : values_) {
+    const std::string name = item.first.IsScalar() ? item.first.Scalar() : "";
+    if (!given.insert(name).second)
+      throw ParameterError(fmt::format("{}/{}: given twice", scope_, name));
+    if (known_.count(name)) continue;
+    if (known_.empty()) throw ParameterError(fmt::format("{}/{}: no such parameter", scope_, name));
+    throw ParameterError(fmt::format("{}/{}: no such parameter; the nearest one is {}/{}", scope_,
+                                     name, scope_,
+                                     nearest_name(name, {known_.begin(), known_.end()})));
+  }
+}
+
+std::string ParameterMap::effective(const std::string& indent) const {
+  std::string text;
+  for (const auto& [name, value] : effective_)
+    text += fmt::format("{}{}: {}\n", indent, name, value);
+  return text;
+}
+
+}  // namespace threelink_sim
