@@ -101,12 +101,70 @@ TEST(Policy, ABatchHasTheBitsOfSingleAnswers) {
   }
 }
 
+TEST(Policy, SamplesNoiseOfItsStdThatTheKeyAloneDecides) {
+  const Policy wide = random_policy(3);
+  const Policy policy(wide.metadata(), wide.actor(), Eigen::Vector2f(-4, -5));
+  const std::vector<double> observation = {0.6, 0.8, 0.9, -0.9};
+  double mean[2];
+  policy.act(observation.data(), mean);
+  for (double rate : mean) ASSERT_LT(std::abs(rate), 0.9);  // so that nothing is clipped
+  constexpr int n = 4000;
+  double sum[2] = {}, squares[2] = {}, product = 0;
+  for (std::uint32_t step = 0; step < n; ++step) {
+    double rates[2], again[2], z[2];
+    policy.sample(observation.data(), {5, 1 + step % 3, step}, rates);
+    policy.sample(observation.data(), {5, 1 + step % 3, step}, again);
+    ASSERT_EQ(std::memcmp(rates, again, sizeof(rates)), 0);
+    for (int j = 0; j < 2; ++j) {
+      z[j] = (rates[j] - mean[j]) / std::exp(j == 0 ? -4 : -5);
+      sum[j] += z[j];
+      squares[j] += z[j] * z[j];
+    }
+    product += z[0] * z[1];
+  }
+  // Five standard deviations of the mean of n independent ones.
+  for (int j = 0; j < 2; ++j) {
+    EXPECT_NEAR(sum[j] / n, 0, 5 / std::sqrt(n));
+    EXPECT_NEAR(squares[j] / n, 1, 5 * std::sqrt(2.0 / n));
+  }
+  EXPECT_NEAR(product / n, 0, 5 / std::sqrt(n));
+  for (const ActionKey other : {ActionKey{6, 1, 0}, ActionKey{5, 2, 0}, ActionKey{5, 1, 1}}) {
+    double one[2], two[2];
+    policy.sample(observation.data(), {5, 1, 0}, one);
+    policy.sample(observation.data(), other, two);
+    EXPECT_NE(one[0], two[0]);
+  }
+}
+
+TEST(Policy, ABatchOfSamplesHasTheBitsOfSingleOnes) {
+  for (Symmetry symmetry : {Symmetry::kNone, Symmetry::kReversal}) {
+    const Policy policy = random_policy(3, symmetry);
+    std::vector<float> scratch;
+    constexpr std::size_t n = 41;
+    const std::vector<double> observations = random_observations(n, 2, n);
+    std::vector<ActionKey> keys;
+    for (std::uint32_t i = 0; i < n; ++i) keys.push_back({9, i / 3, i});
+    std::vector<double> rates(2 * n);
+    policy.sample(n, observations.data(), keys.data(), rates.data(), scratch);
+    for (std::size_t i = 0; i < n; ++i) {
+      double observation[4], single[2];
+      for (int k = 0; k < 4; ++k) observation[k] = observations[k * n + i];
+      policy.sample(observation, keys[i], single);
+      for (int j = 0; j < 2; ++j)
+        ASSERT_EQ(std::memcmp(&single[j], &rates[j * n + i], sizeof(double)), 0);
+    }
+  }
+}
+
 TEST(Policy, AnswersWithoutAllocating) {
   const Policy policy = random_policy(4);
   const std::vector<double> observation = random_observations(1, 2, 4);
   double rates[2];
   const std::size_t before = allocations;
-  for (int i = 0; i < 100; ++i) policy.act(observation.data(), rates);
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    policy.act(observation.data(), rates);
+    policy.sample(observation.data(), {1, 2, i}, rates);
+  }
   EXPECT_EQ(allocations, before);
 }
 

@@ -37,17 +37,21 @@ Mlp network(const EnvironmentConfig& config) {
   layers[1].weight.resize(outputs, 8);
   for (Linear& layer : layers) {
     layer.bias.resize(layer.weight.rows());
-    for (float& value : layer.weight.reshaped()) value = static_cast<float>(random.uniform(-1, 1));
-    for (float& value : layer.bias) value = static_cast<float>(random.uniform(-1, 1));
+    for (int i = 0; i < layer.weight.size(); ++i)
+      layer.weight.data()[i] = static_cast<float>(random.uniform(-1, 1));
+    for (int i = 0; i < layer.bias.size(); ++i)
+      layer.bias[i] = static_cast<float>(random.uniform(-1, 1));
   }
   return Mlp(layers);
 }
 
 Rollout rollout(std::uint32_t first, int episodes, Symmetry canonical = Symmetry::kNone) {
   const EnvironmentConfig config = environment();
-  return collect(config, canonical, network(config),
-                 Eigen::VectorXf::Constant(config.model.hinges(), std::log(0.5f)), 7, first,
-                 episodes);
+  Rollout result(config, episodes);
+  collect({config, canonical, network(config),
+           Eigen::VectorXf::Constant(config.model.hinges(), std::log(0.5f)), 7, first},
+          0, episodes, result);
+  return result;
 }
 
 // The element (component, step, episode) of an array with `rows` steps.

@@ -8,6 +8,7 @@
 #include "threelink_agent/evaluate.hpp"
 #include "threelink_agent/policy.hpp"
 #include "threelink_agent/training/train_config.hpp"
+#include "threelink_agent/training/trainer.hpp"
 
 namespace threelink_tests {
 namespace {
@@ -21,21 +22,50 @@ std::string text_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-TEST(Vfs, SwimsAtTheOptimalSpeedFromEveryStart) {
+TEST(ShippedPolicies, VfsSwimsAtTheOptimalSpeedFromEveryStart) {
   const Policy policy = Policy::load(kConfig + "/policies/vfs.safetensors");
-  const Evaluation evaluation = evaluate(policy, 300, 1);
-  for (const StartResult& start : evaluation.starts) {
-    EXPECT_GT(start.speed, 0.01290) << start.theta_2;  // the optimum is 0.0129154
-    EXPECT_LT(start.speed, 0.01292) << start.theta_2;
-    EXPECT_TRUE(start.success) << start.theta_2;
+  for (RandomStarts starts : {RandomStarts::kBent, RandomStarts::kStraight}) {
+    const Evaluation evaluation = evaluate(policy, 300, 1, starts);
+    for (const StartResult& start : evaluation.starts) {
+      EXPECT_GT(start.speed, 0.01290) << start.theta_2;  // the optimum is 0.0129154
+      EXPECT_LT(start.speed, 0.01292) << start.theta_2;
+      EXPECT_TRUE(start.success) << start.theta_2;
+    }
+    EXPECT_EQ(evaluation.success_rate, 1);
   }
-  EXPECT_EQ(evaluation.success_rate, 1);
 }
 
-TEST(Vfs, WasTrainedWithTheShippedConfiguration) {
-  const Policy policy = Policy::load(kConfig + "/policies/vfs.safetensors");
-  EXPECT_EQ(policy.metadata().config, to_yaml(load_train_config(kConfig + "/train_vfs.yaml")));
-  EXPECT_NE(text_of(kConfig + "/../docs/learning.md").find(policy.sha256()), std::string::npos);
+TEST(ShippedPolicies, ObjectivesAreNearlyOptimal) {
+  struct Case {
+    std::string name;
+    double c, optimum;  // of v - c P / 6
+  };
+  for (const Case& expected :
+       {Case{"vfs", 0, 0.0129154}, Case{"eas_c1", 1, 0.011346}, Case{"eas_c2", 2, 0.010001},
+        Case{"eas", 3, 0.008790}, Case{"eas_c4", 4, 0.007691}}) {
+    const Policy policy = Policy::load(kConfig + "/policies/" + expected.name + ".safetensors");
+    const TrainConfig config = parse_train_config(policy.metadata().config, expected.name);
+    EXPECT_EQ(config.environment.c, expected.c);
+    const Evaluation evaluation = evaluate(policy, 100, 0);
+    EXPECT_GT(objective(evaluation, config.environment), 0.998 * expected.optimum) << expected.name;
+    EXPECT_GE(evaluation.success_rate, 0.99) << expected.name;
+    for (const StartResult& start : evaluation.starts) EXPECT_TRUE(start.success) << expected.name;
+  }
+}
+
+TEST(ShippedPolicies, WereTrainedAsTheDocumentationSays) {
+  const std::string learning = text_of(kConfig + "/../docs/learning.md");
+  for (const char* name : {"vfs", "eas_c1", "eas_c2", "eas", "eas_c4"}) {
+    const Policy policy = Policy::load(kConfig + "/policies/" + name + ".safetensors");
+    EXPECT_NE(learning.find(policy.sha256()), std::string::npos) << name;
+  }
+  const auto config_of = [](const std::string& name) {
+    return Policy::load(kConfig + "/policies/" + name + ".safetensors").metadata().config;
+  };
+  EXPECT_EQ(config_of("vfs"), to_yaml(load_train_config(kConfig + "/train_vfs.yaml")));
+  TrainConfig eas = load_train_config(kConfig + "/train_eas.yaml");
+  eas.seed = 2;
+  EXPECT_EQ(config_of("eas"), to_yaml(eas));
 }
 
 }  // namespace

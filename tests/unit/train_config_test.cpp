@@ -1,6 +1,8 @@
 // The strict reader of training configurations.
 #include "threelink_agent/training/train_config.hpp"
 
+#include <iterator>
+#include <random>
 #include <regex>
 #include <string>
 
@@ -95,7 +97,9 @@ const Refusal kRefusals[] = {
     {"seed: 3\n", "", "seed: missing"},
     {"lambda: 0.95, ", "", "advantage.lambda: missing"},
     {"std_final: 0.3, ", "", "exploration.std_final: missing"},
-    {"seed: 3\n", "seed: 3\nseed: 4\n", "seed"},
+    {"seed: 3\n", "seed: 3\nseed: 4\n", "seed: given twice"},
+    {"clip: 0.2", "clip: 0.2\n  clip: 0.3", "update.clip: given twice"},
+    {"symmetry: {", "advantage: {lambda: 1.0}\nsymmetry: {", "advantage.lambda: given twice"},
     {"learned: false", "learned: true", "exploration.decay_fraction: unknown key"},
     {"epochs: 10", "epochs: {a: 10}", "update.epochs.a: unknown key .*update.epochs"},
     {"hidden: [64, 32]", "hidden: {a: 64}", "hidden.a: unknown key"},
@@ -118,6 +122,16 @@ const Refusal kRefusals[] = {
     {"[64, 32]", "64", "hidden = 64: must be a list"},
     {"[64, 32]", "[64, 3.2]", "hidden\\[1\\] = 3.2: must be a whole number"},
     {"canonical: reversal", "canonical: reversed", "symmetry.canonical = reversed.*reversal"},
+    {"seed: 3", "seed: 0x10", "seed = 0x10: must be written in decimal"},
+    {"epochs: 10", "epochs: 010", "update.epochs = 010: must be written in decimal"},
+    {"epochs: 10", "epochs: ten", "update.epochs = ten: must be a whole number"},
+    {"epochs: 10", "epochs: 10 # \nepochs: 11", "test: "},
+    {"canonical: reversal", "canonical: [reversal]", "symmetry.canonical = .*a word"},
+    // What YAML 1.1 takes for text
+    {"1.0e-3", "1e-3", "update.actor_learning_rate = 1e-3: .*text; write 0.001"},
+    {"1.0e-3", "1e-05", "update.actor_learning_rate = 1e-05: .*text; write 1.0e-05"},
+    {"b: 6.0", "b: 1.0e1", "environment.b = 1.0e1: .*text; write 10.0"},
+    {"b: 6.0", "b: 6E0", "environment.b = 6E0: .*text; write 6.0"},
     // Range
     {"seed: 3", "seed: -1", "seed = -1: must be in"},
     {"seed: 3", "seed: 9223372036854775808", "seed = 9223372036854775808: .*2\\^63"},
@@ -161,6 +175,8 @@ const Refusal kRefusals[] = {
     {"dt: 0.1", "dt: 1e999", "environment.dt = "},
 };
 
+static_assert(std::size(kRefusals) >= 60);
+
 TEST(TrainConfig, RefusesWithFileKeyValueAndBound) {
   for (const Refusal& refusal : kRefusals) {
     const std::string yaml = with(refusal.found, refusal.put);
@@ -181,13 +197,72 @@ TEST(TrainConfig, AMissingFileIsNamed) {
     load_train_config("/nowhere/train.yaml");
     FAIL();
   } catch (const ConfigError& error) {
-    EXPECT_STREQ(error.what(), "/nowhere/train.yaml: cannot be read");
+    EXPECT_STREQ(error.what(), "/nowhere/train.yaml: cannot open: No such file or directory");
   }
+  EXPECT_THROW(load_train_config("/dev/zero"), ConfigError);
+  EXPECT_THROW(load_train_config("/"), ConfigError);
+}
+
+TEST(TrainConfig, AThousandMangledFilesAreTakenOrRefusedAndNothingElse) {
+  std::mt19937 random(0);
+  const std::string letters =
+      "{}[]:,-#&*!|>'\"%@` \n\t\xff"
+      "09eE.~x";
+  for (int i = 0; i < 1000; ++i) {
+    std::string yaml = kValid;
+    for (int change = random() % 4; change >= 0; --change) {
+      const std::size_t at = random() % yaml.size();
+      switch (random() % 3) {
+        case 0:
+          yaml[at] = letters[random() % letters.size()];
+          break;
+        case 1:
+          yaml.insert(at, 1, letters[random() % letters.size()]);
+          break;
+        default:
+          yaml.erase(at, random() % 20);
+      }
+    }
+    try {
+      parse_train_config(yaml, "test").validate();
+    } catch (const ConfigError&) {
+    }
+  }
+}
+
+TEST(TrainConfig, TheFirstDifferenceIsNamed) {
+  const TrainConfig config = parse_train_config(kValid, "test");
+  EXPECT_FALSE(first_difference(config, config));
+  TrainConfig other = config;
+  other.update.clip = 0.3;
+  other.exploration.learned = true;
+  const auto difference = first_difference(config, other);
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->key, "exploration.learned");
+  EXPECT_EQ(difference->a, "false");
+  EXPECT_EQ(difference->b, "true");
 }
 
 TEST(TrainConfig, ShippedOnesAreValid) {
   const TrainConfig config = load_train_config(THREELINK_CONFIG "/train_vfs.yaml");
   EXPECT_EQ(config.environment.c, 0);
+}
+
+TEST(TrainConfig, ThePapersSettingsAreThePapers) {
+  const TrainConfig config = load_train_config(THREELINK_CONFIG "/train_paper.yaml");
+  EXPECT_EQ(config.episodes, 100'000u);                                 // N_E
+  EXPECT_EQ(config.environment.steps, 200u);                            // N_s
+  EXPECT_EQ(config.update.episodes, 40u);                               // M
+  EXPECT_EQ(config.update.episodes * config.environment.steps, 8000u);  // N_u
+  EXPECT_EQ(config.environment.b, 6);
+  EXPECT_EQ(config.environment.c, 0);
+  EXPECT_EQ(config.advantage.discount, 0.99);  // Gamma
+  EXPECT_EQ(config.advantage.lambda, 1);       // R_k - V_k
+  EXPECT_FALSE(config.advantage.bootstrap_at_time_limit);
+  EXPECT_EQ(config.update.clip, 0.2);             // epsilon
+  EXPECT_EQ(config.update.entropy_weight, 0.01);  // chi
+  EXPECT_EQ(config.symmetry.canonical, Symmetry::kNone);
+  EXPECT_FALSE(config.symmetry.mirror);
 }
 
 }  // namespace

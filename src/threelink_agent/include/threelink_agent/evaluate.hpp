@@ -43,12 +43,17 @@ struct Evaluation {
   std::vector<StartResult> starts;  // straight, theta_2 = 0, pi/3, pi/2
   double speed;                     // their means
   double efficiency;
-  double success_rate;  // of `trials` random starts, bent shapes included; NaN if there are none
+  double success_rate;  // of `trials` random starts; NaN if there are none
+  double theta_s;  // [rad] mean of |theta_s| over the random starts that succeeded; NaN if none did
   int trials;
 };
 
-// Random starts are those of threelink_sim::random_start(model, seed, trial). trials >= 0.
+enum class RandomStarts { kBent, kStraight };
+
+// Random starts are those of threelink_sim::random_start(model, seed, trial), with that shape or
+// straight. trials >= 0.
 // Deterministic: the same on every machine with fused multiply-adds.
-Evaluation evaluate(const Policy& policy, int trials, std::uint64_t seed);
+Evaluation evaluate(const Policy& policy, int trials, std::uint64_t seed,
+                    RandomStarts random_starts = RandomStarts::kBent);
 
 }  // namespace threelink_agent

@@ -4,18 +4,12 @@
 #include <cstddef>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "threelink_agent/kernel/network.hpp"
+#include "threelink_agent/linear.hpp"
+#include "threelink_agent/packed.hpp"
 #include "threelink_sim/isa.hpp"
 
 namespace threelink_agent {
-
-// One layer y = W x + b as PyTorch stores it: weight (outputs, inputs), bias (outputs).
-struct Linear {
-  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> weight;
-  Eigen::VectorXf bias;
-};
 
 // Linear layers with tanh between them; the last one is linear.
 //
@@ -45,14 +39,11 @@ class Mlp {
   void forward(std::size_t n, const float* input, float* output) const;
 
  private:
-  struct alignas(64) Line {
-    float values[kPackedFloats];
-  };
   PackedNetwork packed() const;
 
   std::vector<Linear> layers_;
-  std::vector<PackedLayer> packed_layers_;
-  std::vector<Line> packed_values_;
+  std::vector<PackedLayer> layout_;
+  AlignedFloats values_;
   const NetworkKernels* kernels_ = nullptr;
 };
 

@@ -4,6 +4,7 @@
 // that read it.
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -48,6 +49,13 @@ struct PolicyMetadata {
   threelink_sim::EnvironmentConfig environment() const;
 };
 
+// Where an action is sampled. Its noise is keyed by this, and depends on nothing else.
+struct ActionKey {
+  std::uint64_t seed;
+  std::uint32_t episode;
+  std::uint32_t step;
+};
+
 class Policy {
  public:
   // log_std (N-1): logarithm of the standard deviation of the sampled rates. Throws PolicyError if
@@ -81,10 +89,21 @@ class Policy {
   void act(std::size_t n, const double* observations, double* rates,
            std::vector<float>& scratch) const;
 
+  // The same with noise: the mean plus exp(log_std) times standard normals (Stream::kExploration),
+  // then clipped. Normal d of the key goes to hinge d of the swimmer as the network sees it.
+  void sample(const double* observation, const ActionKey& key, double* rates) const;
+  // keys (n); the same bits for each lane.
+  void sample(std::size_t n, const double* observations, const ActionKey* keys, double* rates,
+              std::vector<float>& scratch) const;
+
  private:
+  // Both kinds of action; without keys the mean.
+  void act_or_sample(std::size_t n, const double* observations, const ActionKey* keys,
+                     double* rates, float* x, float* y) const;
+
   PolicyMetadata metadata_;
   Mlp actor_;
-  Eigen::VectorXf log_std_;
+  Eigen::VectorXf log_std_, std_;
   std::string bytes_, sha256_;
 };
 

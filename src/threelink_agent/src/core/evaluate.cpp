@@ -153,7 +153,8 @@ std::vector<StartResult> measure_all(const Policy& policy,
 
 }  // namespace
 
-Evaluation evaluate(const Policy& policy, int trials, std::uint64_t seed) {
+Evaluation evaluate(const Policy& policy, int trials, std::uint64_t seed,
+                    RandomStarts random_starts) {
   const threelink_sim::Model model = policy.metadata().environment().model;
   std::vector<SwimmerState> starts;
   for (double heading : {0.0, threelink_sim::kPi / 3, threelink_sim::kPi / 2}) {
@@ -163,8 +164,10 @@ Evaluation evaluate(const Policy& policy, int trials, std::uint64_t seed) {
     starts.push_back(straight);
   }
   const std::size_t straight_starts = starts.size();
-  for (int trial = 0; trial < trials; ++trial)
+  for (int trial = 0; trial < trials; ++trial) {
     starts.push_back(random_start(model, seed, static_cast<std::uint32_t>(trial)));
+    if (random_starts == RandomStarts::kStraight) starts.back().alpha.setZero();
+  }
 
   const std::vector<StartResult> results = measure_all(policy, starts);
   Evaluation evaluation{};
@@ -173,10 +176,16 @@ Evaluation evaluate(const Policy& policy, int trials, std::uint64_t seed) {
     evaluation.speed += result.speed / straight_starts;
     evaluation.efficiency += result.efficiency / straight_starts;
   }
-  const auto successes = std::count_if(results.begin() + straight_starts, results.end(),
-                                       [](const StartResult& result) { return result.success; });
+  int successes = 0;
+  double deviation = 0;
+  for (auto result = results.begin() + straight_starts; result != results.end(); ++result) {
+    if (!result->success) continue;
+    ++successes;
+    deviation += std::abs(result->theta_s);
+  }
   evaluation.trials = trials;
   evaluation.success_rate = trials > 0 ? static_cast<double>(successes) / trials : kNaN;
+  evaluation.theta_s = successes > 0 ? deviation / successes : kNaN;
   return evaluation;
 }
 

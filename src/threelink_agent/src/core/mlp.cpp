@@ -33,29 +33,13 @@ void check_layers(const std::vector<Linear>& layers) {
 Mlp::Mlp(std::vector<Linear> layers, threelink_sim::Isa isa)
     : layers_(std::move(layers)), kernels_(&network_kernels(isa)) {
   check_layers(layers_);
-  std::size_t lines = 0;
-  for (const Linear& layer : layers_) {
-    const int inputs = static_cast<int>(layer.weight.cols());
-    const int outputs = static_cast<int>(layer.weight.rows());
-    const int lines_a_row = (outputs + kPackedFloats - 1) / kPackedFloats;
-    packed_layers_.push_back({inputs, outputs, lines_a_row * kPackedFloats, lines * kPackedFloats});
-    lines += static_cast<std::size_t>(inputs + 1) * lines_a_row;
-  }
-  packed_values_.assign(lines, Line{});
-  for (std::size_t l = 0; l < layers_.size(); ++l) {
-    const PackedLayer& packed = packed_layers_[l];
-    float* row = packed_values_.front().values + packed.offset;
-    Eigen::Map<Eigen::VectorXf>(row, packed.outputs) = layers_[l].bias;
-    for (int k = 0; k < packed.inputs; ++k) {
-      row += packed.stride;
-      Eigen::Map<Eigen::VectorXf>(row, packed.outputs) = layers_[l].weight.col(k);
-    }
-  }
+  layout_ = packed_layout(layers_);
+  values_ = AlignedFloats(packed_size(layout_));
+  pack(layers_, layout_, values_.data());
 }
 
 PackedNetwork Mlp::packed() const {
-  return {static_cast<int>(packed_layers_.size()), packed_layers_.data(),
-          packed_values_.front().values};
+  return {static_cast<int>(layout_.size()), layout_.data(), values_.data()};
 }
 
 void Mlp::forward(const float* input, float* output) const {

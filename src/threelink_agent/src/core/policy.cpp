@@ -1,6 +1,7 @@
 #include "threelink_agent/policy.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +10,8 @@
 #include "threelink_agent/files.hpp"
 #include "threelink_agent/symmetry.hpp"
 #include "threelink_sim/environment.hpp"
+#include "threelink_sim/isa.hpp"
+#include "threelink_sim/random.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -19,6 +22,21 @@ bool reversed(const PolicyMetadata& metadata, double cos_theta_d) {
 }
 
 double clip(float rate) { return std::clamp(static_cast<double>(rate), -1.0, 1.0); }
+
+// Mean rates (hinges, n) of lane i -> sampled ones.
+void add_noise(const ActionKey& key, const Eigen::VectorXf& std, std::size_t n, std::size_t i,
+               float* rates) {
+  const std::uint32_t seed[] = {static_cast<std::uint32_t>(key.seed),
+                                static_cast<std::uint32_t>(key.seed >> 32)};
+  threelink_sim::RandomCounter counter{
+      0, key.step, key.episode, static_cast<std::uint32_t>(threelink_sim::Stream::kExploration)};
+  double pair[2];
+  for (int j = 0; j < std.size(); ++j) {
+    if (j % 2 == 0) threelink_sim::kernels().normals(1, seed, &counter.draw, pair);
+    rates[j * n + i] += std[j] * static_cast<float>(pair[j % 2]);
+    counter.draw += j % 2;
+  }
+}
 
 }  // namespace
 
@@ -59,6 +77,7 @@ int PolicyMetadata::observation_size() const {
 
 Policy::Policy(PolicyMetadata metadata, Mlp actor, Eigen::VectorXf log_std)
     : metadata_(std::move(metadata)), actor_(std::move(actor)), log_std_(std::move(log_std)) {
+  std_ = log_std_.unaryExpr([](float value) { return std::exp(value); });
   try {
     const Container container = to_container({metadata_, actor_.layers(), log_std_});
     from_container(container);  // for its checks
@@ -100,29 +119,39 @@ Policy Policy::parse(const std::string& bytes, const std::string& source) {
 
 void Policy::save(const std::string& path) const { write_file(path, bytes_); }
 
+void Policy::act_or_sample(std::size_t n, const double* observations, const ActionKey* keys,
+                           double* rates, float* x, float* y) const {
+  std::copy_n(observations, n * observation_size(), x);
+  for (std::size_t i = 0; i < n; ++i)
+    if (reversed(metadata_, observations[i])) reverse_observation(x, hinges(), n, i);
+  n == 1 ? actor_.forward(x, y) : actor_.forward(n, x, y);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (keys) add_noise(keys[i], std_, n, i, y);
+    if (reversed(metadata_, observations[i])) reverse_rates(y, hinges(), n, i);
+  }
+  std::transform(y, y + n * hinges(), rates, clip);
+}
+
 void Policy::act(const double* observation, double* rates) const {
   float x[Mlp::kMaxWidth], y[Mlp::kMaxWidth];
-  std::copy_n(observation, observation_size(), x);
-  const bool reverse = reversed(metadata_, observation[0]);
-  if (reverse) reverse_observation(x, hinges(), 1, 0);
-  actor_.forward(x, y);
-  if (reverse) reverse_rates(y, hinges(), 1, 0);
-  std::transform(y, y + hinges(), rates, clip);
+  act_or_sample(1, observation, nullptr, rates, x, y);
+}
+
+void Policy::sample(const double* observation, const ActionKey& key, double* rates) const {
+  float x[Mlp::kMaxWidth], y[Mlp::kMaxWidth];
+  act_or_sample(1, observation, &key, rates, x, y);
 }
 
 void Policy::act(std::size_t n, const double* observations, double* rates,
                  std::vector<float>& scratch) const {
-  const std::size_t inputs = n * observation_size(), outputs = n * hinges();
-  scratch.resize(inputs + outputs);
-  float* x = scratch.data();
-  float* y = x + inputs;
-  std::copy_n(observations, inputs, x);
-  for (std::size_t i = 0; i < n; ++i)
-    if (reversed(metadata_, observations[i])) reverse_observation(x, hinges(), n, i);
-  actor_.forward(n, x, y);
-  for (std::size_t i = 0; i < n; ++i)
-    if (reversed(metadata_, observations[i])) reverse_rates(y, hinges(), n, i);
-  std::transform(y, y + outputs, rates, clip);
+  sample(n, observations, nullptr, rates, scratch);
+}
+
+void Policy::sample(std::size_t n, const double* observations, const ActionKey* keys, double* rates,
+                    std::vector<float>& scratch) const {
+  scratch.resize(n * (observation_size() + hinges()));
+  act_or_sample(n, observations, keys, rates, scratch.data(),
+                scratch.data() + n * observation_size());
 }
 
 }  // namespace threelink_agent

@@ -17,7 +17,7 @@ struct PolicyParts {
 Container to_container(const PolicyParts& parts);
 
 // The inverse. Checks that every key and tensor is there and known, shapes, bounds; throws
-// PolicyError.
+// PolicyError or ContainerError.
 PolicyParts from_container(const Container& container);
 
 }  // namespace threelink_agent

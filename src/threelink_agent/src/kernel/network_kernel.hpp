@@ -21,8 +21,7 @@ constexpr int kWidth = LaneTraits<FloatPack>::kWidth;
 template <class R>
 inline R tanh(R x) {
   const R bound = all<R>(9.02f);
-  x = select(bound < x, bound, x);
-  x = select(x < -bound, -bound, x);
+  x = max(-bound, min(bound, x));
   const R z = x * x;
   R p = fma(z, all<R>(1.33195522086761367e-08f), all<R>(2.05838825417031101e-05f));
   p = fma(z, p, all<R>(3.49406122148558639e-03f));
@@ -37,54 +36,53 @@ inline R tanh(R x) {
 
 // --- Batch: lanes are samples --------------------------------------------------------------------
 
-// A block of kPacks registers of samples goes through the whole network at once. Its activations,
-// x[k * kBlock<kPacks> + i], stay in the first-level cache, and each weight that is read serves all
-// of the block.
-template <int kPacks>
-constexpr int kBlock = kPacks* kWidth;
+// A block of kPacks packs R of samples goes through the whole network at once. Its activations,
+// x[k * kBlock<R, kPacks> + i], stay in the first-level cache, and each weight that is read serves
+// all of the block.
+template <class R, int kPacks>
+constexpr int kBlock = kPacks* LaneTraits<R>::kWidth;
 constexpr int kMaxPacks = 2;
 // Outputs whose sums are in registers at a time: 16 of 32 registers with AVX-512, else 8 of 16.
 constexpr int kMaxOutputs = kRegister == 64 ? 8 : 4;
 
-template <int kPacks, int kOutputs>
+template <class R, int kPacks, int kOutputs>
 inline void block_outputs(const PackedLayer& layer, const float* rows, int first, bool last_layer,
                           const float* x, float* y) {
-  FloatPack sum[kOutputs][kPacks];
+  constexpr int kLanes = LaneTraits<R>::kWidth, kSize = kBlock<R, kPacks>;
+  R sum[kOutputs][kPacks];
   const float* row = rows + first;
   for (int j = 0; j < kOutputs; ++j)
-    for (int p = 0; p < kPacks; ++p) sum[j][p] = all<FloatPack>(row[j]);
+    for (int p = 0; p < kPacks; ++p) sum[j][p] = all<R>(row[j]);
   for (int k = 0; k < layer.inputs; ++k) {
     row += layer.stride;
-    FloatPack sample[kPacks];
-    for (int p = 0; p < kPacks; ++p)
-      sample[p] = load<FloatPack>(x + k * kBlock<kPacks> + p * kWidth);
+    R sample[kPacks];
+    for (int p = 0; p < kPacks; ++p) sample[p] = load<R>(x + k * kSize + p * kLanes);
     for (int j = 0; j < kOutputs; ++j) {
-      const FloatPack weight = all<FloatPack>(row[j]);
+      const R weight = all<R>(row[j]);
       for (int p = 0; p < kPacks; ++p) sum[j][p] = fma(weight, sample[p], sum[j][p]);
     }
   }
   for (int j = 0; j < kOutputs; ++j)
     for (int p = 0; p < kPacks; ++p)
-      store(last_layer ? sum[j][p] : tanh(sum[j][p]),
-            y + (first + j) * kBlock<kPacks> + p * kWidth);
+      store(last_layer ? sum[j][p] : tanh(sum[j][p]), y + (first + j) * kSize + p * kLanes);
 }
 
 // Outputs from `first` on: as many as fit in groups of kOutputs, the rest in smaller groups.
-template <int kPacks, int kOutputs>
+template <class R, int kPacks, int kOutputs>
 inline void block_layer(const PackedLayer& layer, const float* rows, int first, bool last_layer,
                         const float* x, float* y) {
   for (; first + kOutputs <= layer.outputs; first += kOutputs)
-    block_outputs<kPacks, kOutputs>(layer, rows, first, last_layer, x, y);
+    block_outputs<R, kPacks, kOutputs>(layer, rows, first, last_layer, x, y);
   if constexpr (kOutputs > 1)
-    block_layer<kPacks, kOutputs / 2>(layer, rows, first, last_layer, x, y);
+    block_layer<R, kPacks, kOutputs / 2>(layer, rows, first, last_layer, x, y);
 }
 
-// `samples` samples from `first` on, at most kBlock<kPacks>; further lanes compute on zeros and are
-// not stored.
-template <int kPacks>
+// `samples` samples from `first` on, at most kBlock<R, kPacks>; further lanes compute on zeros and
+// are not stored.
+template <class R, int kPacks>
 inline void block(const PackedNetwork& network, std::size_t n, std::size_t first,
                   std::size_t samples, const float* input, float* output) {
-  constexpr int kSize = kBlock<kPacks>;
+  constexpr int kSize = kBlock<R, kPacks>;
   alignas(64) float activations[2][kMaxLayerWidth * kSize];
   const int inputs = network.layers[0].inputs;
   const int outputs = network.layers[network.count - 1].outputs;
@@ -95,9 +93,9 @@ inline void block(const PackedNetwork& network, std::size_t n, std::size_t first
   }
   for (int l = 0; l < network.count; ++l) {
     const PackedLayer& layer = network.layers[l];
-    block_layer<kPacks, kMaxOutputs>(layer, network.values + layer.offset, 0,
-                                     l + 1 == network.count, activations[l % 2],
-                                     activations[(l + 1) % 2]);
+    block_layer<R, kPacks, kMaxOutputs>(layer, network.values + layer.offset, 0,
+                                        l + 1 == network.count, activations[l % 2],
+                                        activations[(l + 1) % 2]);
   }
   for (int j = 0; j < outputs; ++j)
     __builtin_memcpy(output + j * n + first, activations[network.count % 2] + j * kSize,

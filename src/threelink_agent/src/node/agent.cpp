@@ -32,9 +32,10 @@ bool same_swimmer(const Policy& a, const Policy& b) {
 
 }  // namespace
 
-Agent::Agent(Policy policy, const std::string& source)
+Agent::Agent(Policy policy, const std::string& source, std::optional<std::uint64_t> seed)
     : policy_(std::move(policy)),
       source_(source),
+      seed_(seed),
       diagnostics_("policy", "threelink_agent",
                    [this](Diagnostics::Status& status, double s) { report(status, s); }),
       wrong_kind_(diagnostics_.refusals("observation refused: wrong kind")),
@@ -64,7 +65,12 @@ void Agent::on_observation(const threelink_msgs::Observation& observation) {
   rates_.header.frame_id = observation.header.frame_id;
   rates_.episode = observation.episode;
   rates_.step = observation.step;
-  policy_.act(observation.values.data(), rates_.rates.data());
+  if (seed_) {
+    const ActionKey key{*seed_, observation.episode, static_cast<std::uint32_t>(observation.step)};
+    policy_.sample(observation.values.data(), key, rates_.rates.data());
+  } else {
+    policy_.act(observation.values.data(), rates_.rates.data());
+  }
   rates_publisher_.publish(rates_);
   ++answers_;
   latency_.add(std::chrono::steady_clock::now() - begin);

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include <ros/node_handle.h>
@@ -21,8 +22,9 @@ namespace threelink_agent {
 
 class Agent {
  public:
-  // source: where the policy came from, for diagnostics.
-  Agent(Policy policy, const std::string& source);
+  // source: where the policy came from, for diagnostics. With a seed, actions are sampled, else the
+  // mean is taken.
+  Agent(Policy policy, const std::string& source, std::optional<std::uint64_t> seed);
 
  private:
   using Diagnostics = threelink_sim::Diagnostics;
@@ -45,6 +47,7 @@ class Agent {
   std::mutex mutex_;
   Policy policy_;
   std::string source_;
+  std::optional<std::uint64_t> seed_;
   std::string refused_observation_, refused_policy_;  // why the last one was; empty if it was not
 
   threelink_msgs::HingeRates rates_;  // filled anew for each observation

@@ -1,4 +1,6 @@
 // Runs the agent node; see agent.hpp.
+#include <limits>
+#include <optional>
 #include <string>
 
 #include "agent.hpp"
@@ -8,7 +10,7 @@
 namespace threelink_agent {
 namespace {
 
-constexpr char kHelp[] = R"(agent_node: answers each observation with the policy's mean action
+constexpr char kHelp[] = R"(agent_node: answers each observation with the policy's action
 
 usage: rosrun threelink_agent agent_node _policy:=FILE [ROS remappings] | --help
 
@@ -22,6 +24,8 @@ service
   load_policy   threelink_msgs/LoadPolicy       a policy file to go on with
 parameters
   ~policy       path of a policy file, required
+  ~sampled      draw actions from the policy's distribution instead of taking the mean [false]
+  ~seed         with episode and step it keys what is drawn [0]
 
 A policy that is damaged or for another swimmer is refused, and the one in use stays.
 docs/nodes.md has the details, docs/learning.md the format of the file.
@@ -30,6 +34,8 @@ docs/nodes.md has the details, docs/learning.md the format of the file.
 int run() {
   threelink_sim::Parameters parameters{ros::NodeHandle("~")};
   const std::string path = parameters.text("policy");
+  const bool sampled = parameters.flag("sampled", false);
+  const int seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
   parameters.finish();
   const auto load = [&] {
     try {
@@ -38,7 +44,7 @@ int run() {
       parameters.refuse("policy", error.what());
     }
   };
-  Agent agent(load(), path);
+  Agent agent(load(), path, sampled ? std::optional<std::uint64_t>(seed) : std::nullopt);
   return threelink_sim::spin();
 }
 

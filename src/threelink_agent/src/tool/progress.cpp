@@ -1,7 +1,7 @@
 #include "progress.hpp"
 
+#include <cmath>
 #include <cstdio>
-#include <string>
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
@@ -10,17 +10,12 @@
 namespace threelink_agent {
 namespace {
 
+constexpr double kSmoothingTime = 3;  // [s] over which the shown steps/s are averaged
+
 std::string bar(double done) {
   constexpr int kWidth = 12;
   const int filled = static_cast<int>(done * kWidth);
   return "[" + std::string(filled, '#') + std::string(kWidth - filled, '.') + "]";
-}
-
-std::string duration(double seconds) {
-  const auto s = static_cast<long>(seconds + 0.5);
-  if (s < 120) return fmt::format("{} s", s);
-  return s < 7200 ? fmt::format("{} min", s / 60)
-                  : fmt::format("{} h {} min", s / 3600, s % 3600 / 60);
 }
 
 // A longer line would wrap, and could not be redrawn in place.
@@ -32,28 +27,49 @@ std::size_t terminal_width() {
 
 }  // namespace
 
-Progress::Progress(const TrainConfig& config)
-    : episodes_(config.episodes), terminal_(isatty(STDOUT_FILENO)), start_(Clock::now()) {}
+std::string duration(double seconds) {
+  const auto s = static_cast<long>(seconds + 0.5);
+  if (s < 120) return fmt::format("{} s", s);
+  return s < 7200 ? fmt::format("{} min", s / 60)
+                  : fmt::format("{} h {} min", s / 3600, s % 3600 / 60);
+}
+
+Progress::Progress(const TrainConfig& config, std::uint32_t episodes, double seconds)
+    : episodes_(config.episodes),
+      terminal_(isatty(STDOUT_FILENO)),
+      start_(Clock::now()),
+      first_episode_(episodes),
+      first_seconds_(seconds),
+      last_seconds_(seconds),
+      last_steps_(std::uint64_t{episodes} * config.environment.steps),
+      tenths_(static_cast<int>(10.0 * episodes / config.episodes)) {}
 
 Progress::~Progress() {
   if (terminal_) std::puts("");
 }
 
 double Progress::seconds() const {
-  return std::chrono::duration<double>(Clock::now() - start_).count();
+  return first_seconds_ + std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
 void Progress::show(const UpdateReport& report) {
   const double now = seconds();
-  steps_per_s_ = (report.steps - last_steps_) / (now - last_seconds_);
+  const double taken = now - last_seconds_;
+  steps_per_s_ = (report.steps - last_steps_) / taken;
+  const double weight = smoothed_ > 0 ? 1 - std::exp(-taken / kSmoothingTime) : 1;
+  smoothed_ += weight * (steps_per_s_ - smoothed_);
   last_seconds_ = now;
   last_steps_ = report.steps;
-  if (report.evaluation) speed_ = fmt::format("{:.5f}", report.evaluation->speed);
+  if (report.evaluation)  // + 0: not "-0.00000"
+    speed_ = fmt::format("{:.5f}", std::round(report.evaluation->speed * 1e5) / 1e5 + 0.0);
 
   const double done = double(report.episodes) / episodes_;
-  const std::string text = fmt::format(
+  left_ =
+      (now - first_seconds_) * (episodes_ - report.episodes) / (report.episodes - first_episode_);
+  std::string text = fmt::format(
       "{}/{} episodes  {:.1f} k steps/s  return {:.3f}  speed {}  {} left", report.episodes,
-      episodes_, steps_per_s_ / 1000, report.mean_return, speed_, duration(now / done - now));
+      episodes_, smoothed_ / 1000, report.mean_return, speed_, duration(left_));
+  if (report.poisoned > 0) text += fmt::format("  {} poisoned", report.poisoned);
   if (terminal_) {
     const std::string line = fmt::format("{} {:3.0f} %  {}", bar(done), 100 * done, text);
     std::printf("\r\033[K%s", line.substr(0, terminal_width() - 1).c_str());
@@ -62,6 +78,10 @@ void Progress::show(const UpdateReport& report) {
     std::printf("%s\n", text.c_str());
   }
   std::fflush(stdout);
+}
+
+void Progress::warn(const std::string& text) {
+  std::fprintf(stderr, "%swarning: %s\n", terminal_ ? "\r\033[K" : "", text.c_str());
 }
 
 }  // namespace threelink_agent

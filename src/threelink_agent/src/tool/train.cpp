@@ -1,18 +1,15 @@
 // rosrun threelink_agent train: trains a policy in this process, without a ROS master.
 #include <csignal>
 #include <cstdio>
-#include <optional>
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <malloc.h>
 
-#include "progress.hpp"
-#include "threelink_agent/training/blas.hpp"
-#include "threelink_agent/training/run_folder.hpp"
-#include "threelink_agent/training/trainer.hpp"
-#include "threelink_sim/isa.hpp"
+#include "run_training.hpp"
+#include "threelink_agent/training/backend.hpp"
+#include "threelink_agent/training/run_lock.hpp"
 
 namespace {
 
@@ -24,10 +21,8 @@ volatile std::sig_atomic_t signal_caught = 0;
 void on_signal(int signal) { signal_caught = signal; }
 
 struct Arguments {
-  std::string config, out;
-  std::optional<std::uint64_t> seed;
-  std::optional<std::uint32_t> episodes;
-  int threads = 1;
+  RunSettings run;
+  std::string on_save_error = "stop";
 };
 
 void declare(CLI::App& app, Arguments& arguments) {
@@ -35,80 +30,57 @@ void declare(CLI::App& app, Arguments& arguments) {
       "Trains a policy for the swimmer by proximal policy optimisation, without a ROS master.\n"
       "The configuration explains itself (config/train_vfs.yaml); docs/learning.md gives "
       "reasons.\n");
-  app.add_option("--config", arguments.config, "YAML file that holds every setting")->required();
-  app.add_option("--out", arguments.out,
-                 "folder for the run, made if needed; it must be empty. It then holds\n"
-                 "policy.safetensors (the best by evaluation), last.safetensors,\n"
-                 "metrics.csv (a row an update) and config.yaml (the effective settings)")
+  app.add_option("--config", arguments.run.config,
+                 "YAML file that holds every setting; needed unless a run is resumed");
+  app.add_option("--out", arguments.run.out,
+                 "folder for the run, made if needed; it must be empty, unless with --resume.\n"
+                 "It then holds policy.safetensors (the best by evaluation), last.safetensors,\n"
+                 "metrics.csv (a row an update), learning_curve.png, config.yaml (the effective\n"
+                 "settings) and the last 3 checkpoints")
       ->required();
-  app.add_option("--seed", arguments.seed, "instead of the configuration's seed");
-  app.add_option("--episodes", arguments.episodes, "instead of the configuration's episodes");
-  app.add_option("--threads", arguments.threads,
-                 "actor and critic are updated side by side if there are two; the policy is the\n"
-                 "same, to the bit (default 1)")
+  app.add_option("--seed", arguments.run.seed, "instead of the configuration's seed");
+  app.add_option("--episodes", arguments.run.episodes, "instead of the configuration's episodes");
+  app.add_flag("--resume", arguments.run.resume,
+               "go on from the newest checkpoint in --out that verifies, to the same bits as\n"
+               "without the break; begin if nothing is there yet. The configuration must be the\n"
+               "same. So one command can be repeated until it succeeds");
+  app.add_option("--backend", arguments.run.backend,
+                 "fused: own kernels; libtorch: the same update by autograd (default fused)")
+      ->check(CLI::IsMember({to_string(Backend::kFused), to_string(Backend::kLibtorch)}));
+  app.add_option("--threads", arguments.run.threads,
+                 "of the update; the policy is the same, to the bit (default 1)")
       ->check(CLI::Range(1, 1024));
+  app.add_option("--checkpoint-every", arguments.run.checkpoint_every,
+                 "updates from one checkpoint to the next (default 1). They are written in the\n"
+                 "background; while the disk is busy with one, a newer one replaces the next")
+      ->check(CLI::Range(1, 100000000));
+  app.add_option("--on-save-error", arguments.on_save_error,
+                 "stop: end with status 1 if something cannot be written, such as on a full\n"
+                 "disk; what was written before stays, and --resume goes on from there.\n"
+                 "continue: warn, and try again with the next checkpoint (default stop)")
+      ->check(CLI::IsMember({"stop", "continue"}));
+  app.add_flag("!--no-plot", arguments.run.plot, "draw no learning_curve.png");
   app.footer(
       "The same configuration and seed give the same policy on the same machine.\n"
-      "SIGINT and SIGTERM end the training after the present update; both policies are saved.\n"
+      "SIGINT and SIGTERM end the training after the present update; a checkpoint and both\n"
+      "policies are saved. After kill -9 or a power cut, --resume goes on from the last\n"
+      "checkpoint.\n"
       "Exit status: 0 trained; 1 failed; 2 wrong arguments or files; 130, 143 after SIGINT, "
       "SIGTERM.");
 }
 
-TrainConfig effective_config(const Arguments& arguments) {
-  TrainConfig config = load_train_config(arguments.config);
-  if (arguments.seed) config.seed = *arguments.seed;
-  if (arguments.episodes) config.episodes = *arguments.episodes;
-  try {
-    config.validate();
-  } catch (const ConfigError& error) {
-    throw ConfigError(fmt::format("--{}", error.what()));  // seed or episodes: the file is valid
-  }
-  return config;
-}
-
-void print_machine() {
-  const Blas blas = blas_in_use();
-  fmt::print("BLAS: {}{}\n", blas.library, blas.kernels.empty() ? "" : " (" + blas.kernels + ")");
-  if (blas.slow)
-    fmt::print(
-        "warning: this is the reference BLAS; `apt install libopenblas0-pthread` makes training\n"
-        "about six times faster\n");
-  fmt::print("own kernels: {}\n", threelink_sim::to_string(threelink_sim::isa_in_use()));
-}
-
-// LibTorch makes and drops its tensors by the thousand; without this the larger ones go back to the
-// system each time, which costs a fifth of the training.
-void keep_freed_memory() {
-  mallopt(M_MMAP_THRESHOLD, 64 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
-}
-
-int train(const Arguments& arguments) {
-  const TrainConfig config = effective_config(arguments);
-  keep_freed_memory();
-  Trainer trainer(config, arguments.threads);
-  RunFolder folder(arguments.out, config);
-  print_machine();
-  fmt::print("training {} episodes of {} steps, seed {}, into {}\n", config.episodes,
-             config.environment.steps, config.seed, arguments.out);
-  std::fflush(stdout);
-  {
-    Progress progress(config);
-    while (!trainer.finished() && !signal_caught) {
-      const UpdateReport report = trainer.update();
-      progress.show(report);
-      folder.add(report, progress.seconds(), progress.steps_per_s());
-      if (report.evaluation) folder.save(trainer);
-    }
-  }
-  if (!trainer.finished()) {
-    folder.save(trainer);
-    fmt::print("stopped by signal {}; the policies so far are in {}\n", int{signal_caught},
-               arguments.out);
-    return 128 + signal_caught;
-  }
-  fmt::print("{} sha256 {}\n", folder.policy_path().string(), trainer.best()->sha256());
-  return 0;
+int train(Arguments& arguments) {
+  arguments.run.stop_on_save_error = arguments.on_save_error == "stop";
+  RunHooks hooks;
+  hooks.make_source = [&](const TrainConfig&) {
+    return std::make_unique<LocalRollouts>(arguments.run.threads);
+  };
+  hooks.keep_going = [] { return signal_caught == 0; };
+  hooks.on_update = [](const Trainer&, const UpdateReport*, const Progress&) {};
+  if (run_training(arguments.run, hooks)) return 0;
+  fmt::print("stopped by signal {}; the policies so far are in {}, and --resume goes on\n",
+             int{signal_caught}, arguments.run.out);
+  return 128 + signal_caught;
 }
 
 }  // namespace
@@ -124,6 +96,7 @@ int main(int argc, char** argv) {
   }
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is an error of write(), not the end
   try {
     return train(arguments);
   } catch (const ConfigError& error) {

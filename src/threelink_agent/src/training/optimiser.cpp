@@ -1,6 +1,8 @@
 #include "threelink_agent/training/optimiser.hpp"
 
-#include <algorithm>
+#include <memory>
+#include <string>
+#include <type_traits>
 
 namespace threelink_agent {
 namespace {
@@ -41,6 +43,39 @@ void FlatAdam::descend(const torch::Tensor& loss) {
   const double norm = gradient.norm().item<double>();
   if (norm > max_gradient_norm_) gradient.mul_(max_gradient_norm_ / norm);
   adam_.step();
+}
+
+namespace {
+
+// What LibTorch keys the state of a parameter by: an address, which older versions turn into text.
+template <class Key>
+Key state_key(const torch::Tensor& parameter) {
+  if constexpr (std::is_same_v<Key, std::string>)
+    return c10::guts::to_string(parameter.unsafeGetTensorImpl());
+  else
+    return parameter.unsafeGetTensorImpl();
+}
+
+}  // namespace
+
+FlatAdam::State FlatAdam::state() const {
+  const auto& states = adam_.state();
+  using Key = typename std::decay_t<decltype(states)>::key_type;
+  const auto found = states.find(state_key<Key>(values_));
+  if (found == states.end())  // before the first step
+    return {torch::zeros_like(values_), torch::zeros_like(values_), 0};
+  const auto& state = static_cast<const torch::optim::AdamParamState&>(*found->second);
+  return {state.exp_avg().clone(), state.exp_avg_sq().clone(), state.step()};
+}
+
+void FlatAdam::restore(const State& state) {
+  auto& states = adam_.state();
+  using Key = typename std::decay_t<decltype(states)>::key_type;
+  auto copy = std::make_unique<torch::optim::AdamParamState>();
+  copy->step(state.steps);
+  copy->exp_avg(state.mean.clone());
+  copy->exp_avg_sq(state.variance.clone());
+  states[state_key<Key>(values_)] = std::move(copy);
 }
 
 }  // namespace threelink_agent

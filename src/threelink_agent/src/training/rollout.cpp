@@ -49,29 +49,33 @@ class ExplorationNoise {
 
 }  // namespace
 
+Rollout::Rollout(const EnvironmentConfig& config, int episodes)
+    : steps(static_cast<int>(config.steps)),
+      episodes(episodes),
+      observation_size(threelink_sim::direction_observation_size(config.model)),
+      hinges(config.model.hinges()) {
+  const std::size_t stride = std::size_t(steps) * episodes;
+  observations.resize(observation_size * (stride + episodes));
+  actions.resize(hinges * stride);
+  log_probs.resize(stride);
+  rewards.resize(stride);
+}
+
 double Rollout::mean_return() const {
   return std::accumulate(rewards.begin(), rewards.end(), 0.0) / episodes;
 }
 
-Rollout collect(const EnvironmentConfig& config, Symmetry canonical, const Mlp& actor,
-                const Eigen::VectorXf& log_std, std::uint64_t seed, std::uint32_t first_episode,
-                int episodes) {
-  const int steps = static_cast<int>(config.steps), n = episodes;
-  const int inputs = threelink_sim::direction_observation_size(config.model);
-  const int hinges = config.model.hinges();
-  const std::size_t observation_stride = std::size_t(steps + 1) * n;
-  const std::size_t stride = std::size_t(steps) * n;
-  Rollout rollout{steps, n, inputs, hinges, {}, {}, {}, {}};
-  rollout.observations.resize(inputs * observation_stride);
-  rollout.actions.resize(hinges * stride);
-  rollout.log_probs.resize(stride);
-  rollout.rewards.resize(stride);
+void collect(const Play& play, int begin, int end, Rollout& rollout) {
+  const int n = end - begin, inputs = rollout.observation_size, hinges = rollout.hinges;
+  const std::size_t stride = std::size_t(rollout.steps) * rollout.episodes;
+  const std::size_t observation_stride = stride + rollout.episodes;
+  const std::uint32_t first = play.first_episode + begin;
 
-  Environment environment(config, n);
+  Environment environment(play.environment, n);
   for (int i = 0; i < n; ++i)
-    environment.reset(i, threelink_sim::random_start(config.model, seed, first_episode + i));
-  ExplorationNoise noise(seed, first_episode, n, hinges);
-  const Eigen::VectorXf std = log_std.array().exp();
+    environment.reset(i, threelink_sim::random_start(play.environment.model, play.seed, first + i));
+  ExplorationNoise noise(play.seed, first, n, hinges);
+  const Eigen::VectorXf std = play.log_std.array().exp();
 
   std::vector<double> observed(inputs * n), rates(hinges * n);
   std::vector<float> seen(inputs * n), mean(hinges * n);
@@ -79,35 +83,38 @@ Rollout collect(const EnvironmentConfig& config, Symmetry canonical, const Mlp& 
   const auto observe = [&](int t) {
     environment.observe(observed.data());
     std::copy(observed.begin(), observed.end(), seen.begin());
-    for (int i = 0; i < n; ++i) {
-      reversed[i] = canonical == Symmetry::kReversal && observed[i] < 0;
-      if (reversed[i]) reverse_observation(seen.data(), hinges, n, i);
-    }
+    if (play.canonical == Symmetry::kReversal)
+      for (int i = 0; i < n; ++i) {
+        reversed[i] = observed[i] < 0;
+        if (reversed[i]) reverse_observation(seen.data(), hinges, n, i);
+      }
+    const std::size_t at = std::size_t(t) * rollout.episodes + begin;
     for (int k = 0; k < inputs; ++k)
-      std::copy_n(&seen[k * n], n, &rollout.observations[k * observation_stride + t * n]);
+      std::copy_n(&seen[k * n], n, &rollout.observations[k * observation_stride + at]);
   };
 
-  for (int t = 0; t < steps; ++t) {
+  for (int t = 0; t < rollout.steps; ++t) {
     observe(t);
-    actor.forward(n, seen.data(), mean.data());
+    play.actor.forward(n, seen.data(), mean.data());
     noise.draw(t);
-    for (int i = 0; i < n; ++i) {
-      float log_prob = 0;
-      for (int j = 0; j < hinges; ++j) {
+    const std::size_t at = std::size_t(t) * rollout.episodes + begin;
+    float* log_prob = &rollout.log_probs[at];
+    std::fill_n(log_prob, n, 0.0f);
+    for (int j = 0; j < hinges; ++j) {
+      float* action = &rollout.actions[j * stride + at];
+      for (int i = 0; i < n; ++i) {
         const float z = noise(j, i);
-        const float action = mean[j * n + i] + std[j] * z;
-        log_prob += log_density(z, log_std[j]);
-        rollout.actions[j * stride + t * n + i] = action;
-        rates[j * n + i] = action;
+        action[i] = mean[j * n + i] + std[j] * z;
+        log_prob[i] += log_density(z, play.log_std[j]);
+        rates[j * n + i] = action[i];
       }
-      rollout.log_probs[t * n + i] = log_prob;
-      if (reversed[i]) reverse_rates(rates.data(), hinges, n, i);
     }
+    for (int i = 0; i < n; ++i)
+      if (reversed[i]) reverse_rates(rates.data(), hinges, n, i);
     environment.step(rates.data());
-    std::copy_n(environment.rewards(), n, &rollout.rewards[t * n]);
+    std::copy_n(environment.rewards(), n, &rollout.rewards[at]);
   }
-  observe(steps);
-  return rollout;
+  observe(rollout.steps);
 }
 
 void mirror_half(Rollout& rollout, std::uint64_t seed, std::uint32_t first_episode) {

@@ -1,55 +1,166 @@
 #include "threelink_agent/training/run_folder.hpp"
 
+#include <algorithm>
+#include <cctype>
+#include <map>
+
 #include <fmt/format.h>
+
+#include "threelink_agent/files.hpp"
+#include "threelink_agent/safetensors.hpp"
 
 namespace threelink_agent {
 namespace {
 
-std::ofstream create(const std::filesystem::path& path) {
-  std::ofstream file(path);
-  if (!file) throw RunFolderError(fmt::format("{}: cannot be written", path.string()));
-  return file;
+namespace fs = std::filesystem;
+
+constexpr char kPrefix[] = "checkpoint_", kSuffix[] = ".safetensors";
+
+std::string checkpoint_name(std::uint32_t update) {
+  return fmt::format("{}{:08}{}", kPrefix, update, kSuffix);
+}
+
+// The update in the name of a checkpoint; nothing for other names.
+std::optional<std::uint32_t> update_of(const std::string& name) {
+  std::uint32_t update = 0;
+  std::size_t at = std::string(kPrefix).size();
+  if (name.compare(0, at, kPrefix) != 0) return {};
+  for (; at < name.size() && std::isdigit(static_cast<unsigned char>(name[at])); ++at)
+    update = 10 * update + static_cast<std::uint32_t>(name[at] - '0');
+  if (name != checkpoint_name(update)) return {};
+  return update;
+}
+
+std::map<std::uint32_t, fs::path> checkpoints_in(const fs::path& folder) {
+  std::map<std::uint32_t, fs::path> found;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    if (const auto update = update_of(entry.path().filename().string()))
+      found[*update] = entry.path();
+  return found;
+}
+
+// As write_file() names them: FILE.PROCESS.tmp.
+bool is_temporary(const fs::path& file) {
+  const std::string process = file.stem().extension().string();
+  return file.extension() == ".tmp" && process.size() > 1 &&
+         process.find_first_not_of("0123456789", 1) == std::string::npos;
+}
+
+// Nothing but what a process leaves that was killed before its run began.
+bool is_fresh(const fs::path& folder) {
+  return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
+                     [](const fs::directory_entry& entry) {
+                       return entry.path().filename() == RunLock::kFile ||
+                              is_temporary(entry.path());
+                     });
+}
+
+// Unless it is there already: a run that has finished needs no room to say so.
+void keep(const Policy& policy, const fs::path& path) {
+  const bool saved =
+      fs::exists(path) && read_file(path.string(), kMaxContainerBytes) == policy.serialize();
+  if (!saved) policy.save(path.string());
 }
 
 }  // namespace
 
-RunFolder::RunFolder(const std::filesystem::path& path, const TrainConfig& config) : path_(path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) throw RunFolderError(fmt::format("{}: {}", path.string(), error.message()));
-  if (!std::filesystem::is_empty(path))
+RunFolder::RunFolder(const fs::path& path, Opening opening, const TrainConfig& config,
+                     const std::string& backend)
+    : path_(path), config_(config), backend_(backend) {
+  try {
+    fs::create_directories(path);
+    refuse_strangers(opening);  // before a file is added to them
+    lock_ = std::make_unique<RunLock>(path.string());
+    refuse_strangers(opening);
+  } catch (const fs::filesystem_error& error) {
+    throw RunFolderError(fmt::format("{}: {}", path.string(), error.code().message()));
+  }
+  if (!holds_a_run()) return;
+  const TrainConfig begun = load_train_config(config_path().string());
+  if (const auto difference = first_difference(config, begun))
     throw RunFolderError(
-        fmt::format("{}: is not empty; a run needs a folder of its own", path.string()));
-  std::ofstream yaml = create(path / "config.yaml");
-  yaml << to_yaml(config);
-  if (!yaml.flush())
-    throw RunFolderError(fmt::format("{}/config.yaml: cannot be written", path.string()));
-  metrics_ = create(path / "metrics.csv");
-  metrics_
-      << "update,episodes,steps,seconds,steps_per_s,mean_return,policy_loss,value_loss,kl,"
-         "clip_fraction,entropy,std,actor_learning_rate,critic_learning_rate,speed,efficiency\n";
+        fmt::format("{}: {} = {}, but this run has {}; it can only be resumed as it began",
+                    path.string(), difference->key, difference->a, difference->b));
+  find_checkpoint();
+}
+
+void RunFolder::refuse_strangers(Opening opening) const {
+  if (is_fresh(path_)) return;
+  if (opening == Opening::kNew)
+    throw RunFolderError(fmt::format(
+        "{}: is not empty; a run needs a folder of its own, or --resume", path_.string()));
+  if (!holds_a_run())
+    throw RunFolderError(fmt::format("{}: is not empty, and holds no run", path_.string()));
+}
+
+void RunFolder::find_checkpoint() {
+  const auto found = checkpoints_in(path_);
+  for (auto newest = found.rbegin(); newest != found.rend() && !checkpoint_; ++newest) {
+    const std::string file = newest->second.string();
+    try {
+      checkpoint_ = parse_checkpoint(read_file(file, kMaxContainerBytes), file, config_);
+    } catch (const CheckpointError& error) {
+      warnings_.push_back(error.what());
+    } catch (const FileError& error) {
+      warnings_.push_back(error.what());
+    }
+  }
+  if (!checkpoint_ && !found.empty())
+    throw RunFolderError(fmt::format("{}: no checkpoint can be used: {}", path_.string(),
+                                     fmt::join(warnings_, "; ")));
+  if (!checkpoint_ && fs::exists(policy_path()))
+    throw RunFolderError(
+        fmt::format("{}: holds a policy, but no checkpoint from which to resume", path_.string()));
+  if (checkpoint_ && checkpoint_->backend != backend_)
+    throw RunFolderError(
+        fmt::format("{}: --backend {}, but this run has {}; they differ in the last bits",
+                    path_.string(), backend_, checkpoint_->backend));
+}
+
+void RunFolder::begin() {
+  for (const fs::directory_entry& entry : fs::directory_iterator(path_))
+    if (is_temporary(entry.path())) fs::remove(entry.path());
+  if (!holds_a_run()) write_file(config_path().string(), to_yaml(config_));
+  const std::string metrics = metrics_path().string();
+  metrics_ = checkpoint_ ? std::make_unique<MetricsFile>(metrics, checkpoint_->metrics_bytes)
+                         : std::make_unique<MetricsFile>(metrics);
+  if (checkpoint_ && checkpoint_->state.best) keep(checkpoint_->state.best->policy, policy_path());
+  writer_ = std::make_unique<CheckpointWriter>([this](const Checkpoint& c) { write(c); });
 }
 
 void RunFolder::add(const UpdateReport& report, double seconds, double steps_per_s) {
-  const UpdateStatistics& s = report.statistics;
-  metrics_ << fmt::format(
-                  "{},{},{},{:.3f},{:.0f},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},",
-                  report.update, report.episodes, report.steps, seconds, steps_per_s,
-                  report.mean_return, s.policy_loss, s.value_loss, s.kl, s.clip_fraction,
-                  report.entropy, report.std)
-           << fmt::format("{:.6g},{:.6g},", report.rates.actor, report.rates.critic);
-  if (report.evaluation)
-    metrics_ << fmt::format("{:.7f},{:.7f}\n", report.evaluation->speed,
-                            report.evaluation->efficiency);
-  else
-    metrics_ << ",\n";
-  if (!metrics_.flush())
-    throw RunFolderError(fmt::format("{}/metrics.csv: cannot be written", path_.string()));
+  metrics_->add(report, seconds, steps_per_s);
+  writer_->check();
 }
 
-void RunFolder::save(const Trainer& trainer) const {
-  if (trainer.best()) trainer.best()->save(policy_path().string());
-  trainer.policy().save(last_path().string());
+void RunFolder::save(const Trainer& trainer, double seconds) {
+  if (metrics_->flushed()) put(trainer, seconds);
+}
+
+void RunFolder::finish(const Trainer& trainer, double seconds) {
+  metrics_->flush();
+  if (newest_ != trainer.state().update) put(trainer, seconds);
+  writer_->wait();
+  writer_->check();
+  keep(trainer.policy(), last_path());
+}
+
+void RunFolder::put(const Trainer& trainer, double seconds) {
+  writer_->put({config_, backend_, trainer.state(), metrics_->bytes(), seconds});
+  newest_ = trainer.state().update;
+}
+
+void RunFolder::write(const Checkpoint& checkpoint) {
+  metrics_->sync();
+  const std::uint32_t update = checkpoint.state.update;
+  write_file((path_ / checkpoint_name(update)).string(), serialize(checkpoint));
+  if (checkpoint.state.best) keep(checkpoint.state.best->policy, policy_path());
+  // Of this one and its predecessors; there are newer ones only if they are damaged.
+  const auto found = checkpoints_in(path_);
+  int kept = 0;
+  std::error_code ignored;  // the next one tries again
+  for (auto it = std::make_reverse_iterator(found.upper_bound(update)); it != found.rend(); ++it)
+    if (++kept > kCheckpointsKept) fs::remove(it->second, ignored);
 }
 
 }  // namespace threelink_agent

@@ -1,17 +1,24 @@
 // Reading and writing a TrainConfig as YAML, both from one list of its keys.
-#include <fstream>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "threelink_agent/files.hpp"
 #include "threelink_agent/training/train_config.hpp"
 #include "threelink_sim/nearest_name.hpp"
+#include "threelink_sim/parameter_map.hpp"
 
 namespace threelink_agent {
 namespace {
+
+constexpr std::size_t kMostBytes = 65536;  // of a file
 
 // The keys, dots for nesting, each with the field that it sets.
 template <class Config, class Visitor>
@@ -82,6 +89,14 @@ Value scalar(const std::string& key, const YAML::Node& node, const char* type) {
 
 void read(const std::string& key, const YAML::Node& node, double& field) {
   field = scalar<double>(key, node, "a number");
+  const std::string& text = node.Scalar();
+  const std::size_t e = text.find_first_of("eE");
+  if (e == std::string::npos || !std::isfinite(field)) return;
+  const bool signed_exponent = text.find_first_of("+-", e) == e + 1;
+  if (text.find('.') == std::string::npos || !signed_exponent)
+    throw ConfigError(
+        fmt::format("{} = {}: must be a number, but YAML 1.1 takes this for text; write {}", key,
+                    text, threelink_sim::yaml_number(field)));
 }
 
 void read(const std::string& key, const YAML::Node& node, bool& field) {
@@ -93,6 +108,10 @@ template <class Integer>
 std::enable_if_t<std::is_integral_v<Integer>> read(const std::string& key, const YAML::Node& node,
                                                    Integer& field) {
   const auto value = scalar<std::int64_t>(key, node, "a whole number below 2^63");
+  const std::string& text = node.Scalar();
+  if (text.size() > 1 && (text[0] == '0' || text.find('x') != std::string::npos))
+    throw ConfigError(
+        fmt::format("{} = {}: must be written in decimal, without a 0 in front", key, text));
   field = static_cast<Integer>(value);
   if (static_cast<std::int64_t>(field) != value || (std::is_unsigned_v<Integer> && value < 0))
     throw ConfigError(fmt::format("{} = {}: must be in [{}, {}]", key, value,
@@ -152,12 +171,16 @@ std::string written(const std::vector<int>& value) {
   return fmt::format("[{}]", fmt::join(value, ", "));
 }
 
-// The shortest text that reads back to the same number, with the point without which ROS 1 takes
-// "6" for a whole number and "1e-05" for a string.
-std::string written(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find('.') == std::string::npos) text.insert(std::min(text.find('e'), text.size()), ".0");
-  return text;
+std::string written(double value) { return threelink_sim::yaml_number(value); }
+
+// Every key with its value as text.
+using Pairs = std::vector<std::pair<std::string, std::string>>;
+
+Pairs pairs_of(const TrainConfig& config) {
+  Pairs pairs;
+  visit_fields(
+      config, [&](const char* key, const auto& field) { pairs.emplace_back(key, written(field)); });
+  return pairs;
 }
 
 }  // namespace
@@ -173,25 +196,33 @@ TrainConfig parse_train_config(const std::string& yaml, const std::string& sourc
 }
 
 TrainConfig load_train_config(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file || !text) throw ConfigError(path + ": cannot be read");
-  return parse_train_config(text.str(), path);
+  try {
+    return parse_train_config(read_file(path, kMostBytes), path);
+  } catch (const FileError& error) {
+    throw ConfigError(error.what());
+  }
 }
 
 std::string to_yaml(const TrainConfig& config) {
   std::string text, section;
-  visit_fields(config, [&](const std::string& key, const auto& field) {
+  for (const auto& [key, value] : pairs_of(config)) {
     const std::size_t dot = key.find('.');
     if (dot == std::string::npos) {
-      text += key + ": " + written(field) + "\n";
-      return;
+      text += key + ": " + value + "\n";
+      continue;
     }
     if (section != key.substr(0, dot)) text += (section = key.substr(0, dot)) + ":\n";
-    text += "  " + key.substr(dot + 1) + ": " + written(field) + "\n";
-  });
+    text += "  " + key.substr(dot + 1) + ": " + value + "\n";
+  }
   return text;
+}
+
+std::optional<ConfigDifference> first_difference(const TrainConfig& a, const TrainConfig& b) {
+  // The keys are the same up to the first value that differs.
+  const Pairs of_a = pairs_of(a), of_b = pairs_of(b);
+  for (std::size_t i = 0; i < std::min(of_a.size(), of_b.size()); ++i)
+    if (of_a[i] != of_b[i]) return ConfigDifference{of_a[i].first, of_a[i].second, of_b[i].second};
+  return {};
 }
 
 }  // namespace threelink_agent

@@ -1,7 +1,6 @@
 // Actor and critic as LibTorch modules.
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -15,17 +14,13 @@ namespace threelink_agent {
 // parameters of the actor are called actor.0.weight, actor.0.bias, actor.2.weight, ...
 class TanhNetwork : public torch::nn::Module {
  public:
-  // sizes: inputs, hidden widths, outputs.
-  TanhNetwork(const std::string& name, const std::vector<int>& sizes);
-
-  // Weights uniform in +- gain sqrt(6 / (inputs + outputs)) (Glorot and Bengio 2010), gain 1 but
-  // for the last layer; biases 0. Keyed by (seed, network).
-  void initialise(std::uint64_t seed, std::uint32_t network, double last_gain);
+  TanhNetwork(const std::string& name, const std::vector<Linear>& layers);
 
   torch::Tensor forward(torch::Tensor x);  // (n, inputs) -> (n, outputs)
 
-  // A copy that is evaluated without LibTorch.
-  Mlp mlp() const;
+  // Copies of the parameters, in and out; `layers` must have the shapes of layers().
+  std::vector<Linear> layers() const;
+  void set_layers(const std::vector<Linear>& layers);
 
  private:
   std::vector<torch::nn::Linear> layers_;

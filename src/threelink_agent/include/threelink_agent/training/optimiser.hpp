@@ -1,6 +1,7 @@
 // Adam on one flat array of parameters.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <torch/torch.h>
@@ -20,6 +21,14 @@ class FlatAdam {
 
   // Descends the gradient of `loss` by one step.
   void descend(const torch::Tensor& loss);
+
+  // First and second moment, flat, in the order of the parameters, and the steps taken.
+  struct State {
+    torch::Tensor mean, variance;
+    std::int64_t steps;
+  };
+  State state() const;
+  void restore(const State& state);
 
  private:
   torch::Tensor values_;  // all parameters; its gradient is all gradients

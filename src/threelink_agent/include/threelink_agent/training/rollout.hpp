@@ -24,19 +24,27 @@ struct Rollout {
   std::vector<float> log_probs;  // (steps, episodes) of the sampled action when it was sampled
   std::vector<float> rewards;    // (steps, episodes)
 
+  Rollout(const threelink_sim::EnvironmentConfig& config, int episodes);
+
   // Mean over the episodes of their undiscounted sum of rewards.
   double mean_return() const;
 };
 
-// Plays episodes first_episode .. first_episode + episodes - 1 side by side from random starts
-// towards theta_T = 0. Actions are mean + std * noise; the environment clips them, the
-// log-probability is that of the unclipped ones. Start and noise are keyed by (seed, episode,
-// step), so that an episode does not depend on which others are played with it.
-//
-// log_std (A): logarithm of the noise's standard deviation [1/T0].
-Rollout collect(const threelink_sim::EnvironmentConfig& config, Symmetry canonical,
-                const Mlp& actor, const Eigen::VectorXf& log_std, std::uint64_t seed,
-                std::uint32_t first_episode, int episodes);
+// How episodes are played.
+struct Play {
+  threelink_sim::EnvironmentConfig environment;
+  Symmetry canonical;       // applied to what the network sees
+  Mlp actor;                // the mean of the actions
+  Eigen::VectorXf log_std;  // (A) of their standard deviation [1/T0]
+  std::uint64_t seed;
+  std::uint32_t first_episode;  // number of the rollout's first one
+};
+
+// Plays the rollout's episodes begin .. end - 1 side by side from random starts towards theta_T =
+// 0. Actions are mean + std * noise; the environment clips them, the log-probability is that of the
+// unclipped ones. Start and noise are keyed by (seed, number of the episode, step), so that an
+// episode does not depend on which others are played with it.
+void collect(const Play& play, int begin, int end, Rollout& rollout);
 
 // Shows a random half of the episodes mirrored, keyed by (seed, episode). The log-probabilities
 // stay those of the actions that were taken: recomputing them would declare an action likely that

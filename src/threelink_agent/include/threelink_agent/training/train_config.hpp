@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -66,12 +67,19 @@ struct TrainConfig {
   std::uint32_t updates() const { return (episodes + update.episodes - 1) / update.episodes; }
 };
 
-// Reads YAML that holds every key, no other, each once and of its type, and validates it.
+// Reads YAML that holds every key, no other, each once and of its type, and validates it. What
+// other programs would take for text is no number: quotes, and 1e-3 without its point (YAML 1.1).
 // Throws ConfigError; for an unknown key it names the nearest known one.
 TrainConfig load_train_config(const std::string& path);
 TrainConfig parse_train_config(const std::string& yaml, const std::string& source);
 
 // The YAML that parse_train_config() reads back to the same configuration.
 std::string to_yaml(const TrainConfig& config);
+
+// The first key in which two configurations differ, with both values as to_yaml() writes them.
+struct ConfigDifference {
+  std::string key, a, b;
+};
+std::optional<ConfigDifference> first_difference(const TrainConfig& a, const TrainConfig& b);
 
 }  // namespace threelink_agent

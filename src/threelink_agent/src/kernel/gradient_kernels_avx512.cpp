@@ -1,0 +1,2 @@
+#define THREELINK_ISA avx512
+#include "gradient_kernels.inc"

@@ -1,0 +1,2 @@
+#define THREELINK_ISA baseline
+#include "gradient_kernels.inc"
