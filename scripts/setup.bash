@@ -7,6 +7,7 @@ if [[ -e $noetic/setup.bash ]]; then # Ubuntu 20.04; its ros-base holds more tha
   ros_packages=(
     ros-noetic-{ros-base,rostest,tf2-ros,diagnostic-updater,robot-state-publisher}
     ros-noetic-{nav,sensor,visualization}-msgs
+    ros-noetic-{actionlib,interactive-markers,pluginlib}  # tasks
   )
   rviz_packages=(ros-noetic-rviz libgl1-mesa-dri)
 else # Debian 12 brings ROS 1 itself
@@ -19,6 +20,9 @@ else # Debian 12 brings ROS 1 itself
     libtf2-ros-dev ros-robot-state-publisher              # frames of the swimmer's links
     libdiagnostic-updater-dev
     librosbag-dev libtopic-tools-dev                      # recording with our own node
+    libactionlib-dev ros-actionlib-msgs libactionlib-msgs-dev # tasks: the action,
+    python3-actionlib python3-actionlib-msgs
+    pluginlib-dev libinteractive-markers-dev              # plug-ins, and what is dragged in rviz
     libtorch-dev                                          # the trainer
     python3-tf2-ros liburdfdom-tools                      # tests
   )

@@ -188,8 +188,8 @@ class EpisodesTest(unittest.TestCase):
     def test_equals_the_episode_in_one_process_to_the_bit(self):
         program = roslib.packages.find_node("threelink_tests", "play_episode")[0]
         for number, bag in enumerate(self.bags, 1):
-            lines = subprocess.run([program, POLICY, str(self.SEED), str(number), "0"], check=True,
-                                   stdout=subprocess.PIPE, universal_newlines=True).stdout
+            lines = subprocess.run([program, POLICY, str(self.SEED), str(number), "pursuit",
+                                    "{v_ratio: 0}", "mean"], check=True, stdout=subprocess.PIPE, universal_newlines=True).stdout
             played = [[float.fromhex(word) for word in line.split()] for line in lines.splitlines()]
             self.assertEqual(len(played), len(bag["state"]))
             for k, (_, state) in enumerate(bag["state"]):
@@ -286,7 +286,9 @@ class InterruptedTest(unittest.TestCase):
         bag = read(os.path.join(self.folder, row["bag"]))
         end = bag["episode"][-1][1]
         self.assertEqual((end.status, end.reason), (Episode.ABORTED, "interrupted"))
-        self.assertEqual([m.step for _, m in bag["state"]], list(range(end.step + 1)))
+        steps = [m.step for _, m in bag["state"]]
+        self.assertEqual(steps, list(range(len(steps))))
+        self.assertIn(steps[-1] - end.step, (0, 1))  # the simulator may have been on its way
         self.assertEqual(self.active(), [])
 
 

@@ -2,10 +2,14 @@
 """The recorder alone: gaps, full disks, and bags that others left or still write."""
 import csv
 import os
+import random
+import re
 import resource
 import shutil
 import subprocess
+import sys
 import tempfile
+import time
 import unittest
 
 import rosbag
@@ -13,17 +17,18 @@ import roslib.packages
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PointStamped, PoseStamped
+from geometry_msgs.msg import PointStamped, PoseStamped, TransformStamped
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 
-from threelink_msgs.msg import (Episode, EpisodeAbort, HingeRates, Observation, Recording,
-                                SwimmerState)
+from threelink_msgs.msg import (Episode, EpisodeAbort, HingeRates, Observation, PolicyWeights,
+                                Recording, SwimmerState)
 
 from waiting import wait
 
 PROGRAM = roslib.packages.find_node("threelink_tasks", "recorder_node")[0]
 NODE = "/threelink/recorder"
+KILLS = int(os.environ.get("THREELINK_KILLS", 5))
 
 
 class Peers:
@@ -93,8 +98,9 @@ class RecorderTest(unittest.TestCase):
         self.peers.send_episode(0, 0, Episode.ABORTED)  # what the next recorder hears first
         shutil.rmtree(self.folder)
 
-    def start(self, folder=None, limit=None, picture="false"):
-        rospy.set_param(NODE, {"bag_dir": folder or self.folder, "picture": picture == "true"})
+    def start(self, folder=None, limit=None, **parameters):
+        rospy.set_param(NODE, {"bag_dir": folder or self.folder, "picture": False, "min_free_mb": 0,
+                               **parameters})
         process = subprocess.Popen([PROGRAM, "__name:=recorder", "__ns:=threelink"],
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                    universal_newlines=True, preexec_fn=limit, restore_signals=False)
@@ -115,6 +121,12 @@ class RecorderTest(unittest.TestCase):
     def rows(self):
         with open(os.path.join(self.folder, "episodes.csv")) as file:
             return list(csv.DictReader(file))
+
+    def play_to_the_end(self, episode, steps):
+        """The path of the bag of a whole episode."""
+        self.play(episode, steps)
+        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, episode)))
+        return self.peers.said(Recording.WRITTEN, episode).bag
 
     def play(self, episode, steps, status=Episode.CAPTURED):
         """An episode with the given states."""
@@ -194,6 +206,155 @@ class RecorderTest(unittest.TestCase):
         self.assertEqual((recovered["episode"], recovered["recovered"]), ("1", "yes"))
         self.assertGreater(int(recovered["steps"]), 50)
 
+    def test_a_full_file_system_is_told_and_survived(self):
+        disk = os.path.join(self.folder, "disk")
+        os.mkdir(disk)
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk],
+                          stderr=subprocess.DEVNULL).returncode != 0:
+            self.skipTest("mounting a file system is not allowed here")
+        try:
+            others = os.path.join(disk, "of_others")
+            with open(others, "wb") as file:
+                file.write(bytes(800 * 1024))
+            process = self.start_and_wait(folder=disk)
+            self.play(1, list(range(1500)))
+            self.assertTrue(wait(lambda: self.peers.said(Recording.FAILED, 1)))
+            self.assertRegex(self.peers.said(Recording.FAILED, 1).status,
+                             re.escape(disk) + r"/\S+_ep0001\.bag\.active: .*"
+                             r"\(\d{6} bytes written, 0 free\)")
+            self.assertIsNone(process.poll())
+            os.remove(others)
+            bag = self.play_to_the_end(2, [0, 1, 2])
+            self.assertTrue(bag.startswith(disk))
+            process.terminate()
+            self.assertEqual(process.wait(10), 0)
+        finally:
+            for process in self.processes:
+                process.kill()
+            subprocess.run(["umount", "-l", disk], check=True)
+
+    def test_too_little_room_ends_the_bag_and_nothing_else(self):
+        process = self.start_and_wait(min_free_mb=1e9)
+        self.play(1, [0, 1, 2])
+        self.assertTrue(wait(lambda: self.peers.said(Recording.FAILED, 1)))
+        self.assertRegex(self.peers.said(Recording.FAILED, 1).status,
+                         r"/\S+_ep0001\.bag\.active: \d+ bytes are left on the disk, fewer than "
+                         r"~min_free_mb = 1000000000")
+        self.assertIsNone(process.poll())
+        self.assertEqual(self.files(), [])
+
+    def test_only_the_oldest_own_bags_are_deleted(self):
+        foreign = ["pursuit_2020-01-01-00-00-00_ep0001.bag", "something.bag"]
+        for name in foreign:
+            shutil.copy(__file__, os.path.join(self.folder, name))
+        self.start_and_wait(keep=2)
+        bags = [os.path.basename(self.play_to_the_end(episode, [0, 1])) for episode in (1, 2, 3, 4)]
+        self.assertTrue(wait(lambda: len(self.files()) == 5))
+        self.assertEqual(self.files(), sorted(foreign + bags[2:] + ["episodes.csv"]))
+        self.assertEqual([row["bag"] for row in self.rows()], bags)  # the rows are the history
+
+    def test_all_bags_together_are_within_the_quota(self):
+        self.start_and_wait(max_total_mb=0.3)
+        picture = None
+        for episode in range(1, 8):
+            bag = self.play_to_the_end(episode, list(range(200)))
+            self.assertTrue(os.path.exists(bag))
+            picture = picture or bag[:-len("bag")] + "png"
+            if episode == 1:
+                shutil.copy(__file__, picture)
+            sizes = [os.path.getsize(os.path.join(self.folder, name)) for name in self.files()
+                     if name != "episodes.csv"]
+            self.assertLess(sum(sizes), 300000)
+        self.assertGreater(len(sizes), 1)
+        self.assertFalse(os.path.exists(picture))
+
+    def test_a_bag_that_is_more_than_the_quota_is_ended_and_kept(self):
+        self.start_and_wait(max_total_mb=0.05)
+        first = self.play_to_the_end(1, [0, 1])
+        self.play(2, list(range(1000)), status=None)
+        self.assertTrue(wait(lambda: any(
+            level == DiagnosticStatus.ERROR and "more than ~max_total_mb" in text
+            for level, text in self.peers.summaries)))
+        self.peers.send_episode(2, 999, Episode.CAPTURED)
+        self.assertTrue(wait(lambda: self.peers.said(Recording.FAILED, 2)))
+        recording = self.peers.said(Recording.FAILED, 2)
+        self.assertRegex(recording.status, r"not recorded to its end: .* \d+ bytes are more than "
+                                           r"~max_total_mb = 0.05")
+        self.assertFalse(os.path.exists(first))
+        with rosbag.Bag(recording.bag) as bag:
+            self.assertEqual(bag.get_message_count(), recording.messages)
+        self.assertEqual((self.rows()[-1]["status"], self.rows()[-1]["steps"]), ("captured", "999"))
+
+    def test_latched_messages_are_in_every_bag(self):
+        policy = rospy.Publisher("/threelink/policy", PolicyWeights, queue_size=1, latch=True)
+        policy.publish(PolicyWeights(version=7, data=b"weights"))
+        static = rospy.Publisher("/tf_static", TFMessage, queue_size=1, latch=True)
+        transform = TransformStamped(child_frame_id="fixed")
+        transform.transform.rotation.w = 1
+        static.publish(TFMessage([transform]))
+        self.start_and_wait()
+        self.assertTrue(wait(lambda: policy.get_num_connections() and static.get_num_connections()))
+        self.play_to_the_end(1, [0, 1])
+        for path in (self.play_to_the_end(2, [0, 1]), self.play_to_the_end(3, [0, 1])):
+            with rosbag.Bag(path) as bag:
+                messages = {topic: message for topic, message, _ in bag.read_messages()}
+            self.assertEqual(messages["/threelink/policy"].version, 7)
+            self.assertEqual(messages["/tf_static"].transforms[0].child_frame_id, "fixed")
+        policy.unregister()
+        static.unregister()
+
+    def test_a_bag_ends_with_what_is_in_it(self):
+        self.start_and_wait()
+        with rosbag.Bag(self.play_to_the_end(1, [0, 1, 2])) as bag:
+            topic, last, _ = list(bag.read_messages())[-1]
+            self.assertEqual((topic, last.state), ("/threelink/recording", Recording.WRITTEN))
+            self.assertEqual(last.messages, bag.get_message_count())
+            self.assertRegex(last.contents, r"^/threelink/episode: 2 [0-9a-f]{16}\n"
+                                            r"/threelink/state: 3 [0-9a-f]{16}\n$")
+
+    def test_a_bag_that_only_lacks_its_name_gets_it(self):
+        process = self.start_and_wait()
+        path = self.play_to_the_end(1, [0, 1, 2])
+        process.kill()
+        process.wait()
+        os.rename(path, path + ".active")  # killed after the row, before the name
+        self.peers.recordings.clear()
+        self.start_and_wait()
+        self.assertEqual(self.files(), ["episodes.csv", os.path.basename(path)])
+        self.assertEqual([row["recovered"] for row in self.rows()], ["no"])
+
+    def test_a_killed_recorder_loses_hardly_anything(self):
+        chance = random.Random(1)
+        process = self.start_and_wait()
+        shares = []
+        for episode in range(1, KILLS + 1):
+            sent = []
+            self.play(episode, [0], status=None)
+            end = time.monotonic() + 0.7 + 0.5 * chance.random()
+            while time.monotonic() < end:  # 1000 states a second, if the machine can
+                sent.append(time.monotonic())
+                self.peers.send_state(episode, len(sent))
+                time.sleep(0.001)
+            process.kill()
+            killed = time.monotonic()
+            process.wait()
+            self.peers.send_episode(episode, len(sent), Episode.ABORTED)  # latched: it is over
+            self.peers.recordings.clear()
+            process = self.start_and_wait()
+            row = self.rows()[-1]
+            self.assertEqual((len(self.rows()), row["episode"], row["recovered"], row["status"]),
+                             (episode, str(episode), "yes", "aborted"))
+            with rosbag.Bag(os.path.join(self.folder, row["bag"])) as bag:
+                steps = {m.step for _, m, _ in bag.read_messages("/threelink/state")}
+                self.assertEqual(int(row["messages"]), bag.get_message_count())
+            self.assertEqual(self.active(), [])
+            old = {step for step, at in enumerate(sent, 1) if at < killed - 0.5}
+            self.assertGreater(len(old), 50)
+            shares.append(len(steps & old) / len(old))
+        print("%d kills: of what was older than 0.5 s, %.2f %% readable at worst" %
+              (len(shares), 100 * min(shares)), file=sys.stderr)
+        self.assertGreaterEqual(min(shares), 0.99)
+
     def test_a_folder_that_cannot_be_is_told_and_survived(self):
         path = os.path.join(self.folder, "file")
         open(path, "w").close()
@@ -241,7 +402,9 @@ class RecorderTest(unittest.TestCase):
     def test_a_bad_parameter_is_refused(self):
         cases = [({}, "bag_dir"), ({"bag_dir": "relative"}, "absolute path"),
                  ({"bag_dir": 5}, "bag_dir = 5"), ({"bag_dir": "/x", "picture": "yes"}, "picture"),
-                 ({"bag_dir": "/x", "pictures": True}, "pictures")]
+                 ({"bag_dir": "/x", "pictures": True}, "pictures"),
+                 ({"bag_dir": "/x", "keep": -1}, "keep"),
+                 ({"bag_dir": "/x", "max_total_mb": "1e3"}, "max_total_mb")]
         for parameters, message in cases:
             if rospy.has_param(NODE):
                 rospy.delete_param(NODE)

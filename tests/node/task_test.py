@@ -20,26 +20,28 @@ PROGRAM = roslib.packages.find_node("threelink_tasks", "task_node")[0]
 POLICY = os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
                       "config/policies/vfs.safetensors")
 NODE = "/threelink/task"
-GOOD = {"policy": POLICY, "v_ratio": 0.5, "record": False, "start_timeout": 10.0}
+GOOD = {"task": "pursuit", "policy": POLICY, "v_ratio": 0.5, "record": False, "start_timeout": 10.0}
 
 # Changed parameters, and what the error must say. None takes a parameter away.
 BAD_PARAMETERS = [
     ({"policy": None}, "policy"),
     ({"policy": "/no/such/file"}, "/no/such/file"),
     ({"policy": __file__}, "policy"),
-    ({"v_ratio": None}, "v_ratio"),
+    ({"task": None}, "/threelink/task/task is missing"),
+    ({"task": "pursuits"}, "must be one of: clicked_point, direction, path, p"),
+    ({"v_ratio": None}, "v_ratio is missing"),
     ({"v_ratio": -0.1}, "v_ratio = -0.1"),
     ({"v_ratio": "1e-1"}, "write 1.0e-1"),
     ({"seed": -1}, "seed = -1"),
     ({"seed": 1.5}, "seed = 1.5"),
-    ({"episodes": 0}, "episodes = 0"),
+    ({"episodes": -1}, "episodes = -1"),
     ({"max_steps": 0}, "max_steps = 0"),
     ({"threshold": 0.0}, "threshold = 0"),
     ({"diffusivity": float("nan")}, "diffusivity = nan"),
     ({"target_x": 1.0e300}, "target_x = 1e+300"),
-    ({"capture_between_steps": True}, "capture_between_steps = true: needs a target at rest"),
+    ({"capture_between_steps": True}, "capture_between_steps = true (bool): needs a target at rest"),
     ({"simulator": "nobody"}, "/threelink/nobody"),
-    ({"treshold": 0.001}, "threshold"),
+    ({"treshold": 0.001}, "the nearest one is /threelink/task/threshold"),
 ]
 
 
@@ -151,7 +153,7 @@ class TaskTest(unittest.TestCase):
     def test_starts_as_the_paper_says(self):
         self.simulator.serve()
         self.start(seed=4)
-        self.assertTrue(wait(lambda: self.simulator.targets))
+        self.assertTrue(wait(lambda: self.simulator.targets and self.simulator.episodes))
         (reset,) = self.simulator.resets
         self.assertEqual((reset.seed, reset.random_start), (4, False))
         self.assertEqual((tuple(reset.x_1), reset.theta_1, tuple(reset.alpha)), ((1, 0), 0, ()))

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "make_task.hpp"
 #include "random_policy.hpp"
-#include "threelink_tasks/pursuit.hpp"
 
 namespace {
 
@@ -18,8 +18,7 @@ using threelink_tasks::EpisodeMeasures;
 using threelink_tasks::EpisodeResult;
 using threelink_tasks::EpisodeStep;
 using threelink_tasks::Outcome;
-using threelink_tasks::Pursuit;
-using threelink_tasks::PursuitParameters;
+using threelink_tests::make_task;
 using threelink_tests::random_policy;
 
 constexpr int kSteps = 200;
@@ -29,14 +28,12 @@ struct Played {
   std::vector<EpisodeStep> steps;
 };
 
-Played play(std::uint64_t seed) {
-  PursuitParameters parameters;
-  parameters.max_steps = kSteps;
-  Pursuit task(parameters);
+Played play(std::uint64_t seed, bool sampled = false) {
+  const auto task = make_task("pursuit", "{v_ratio: 0, max_steps: " + std::to_string(kSteps) + "}");
   Environment environment(EnvironmentConfig(), 1);
   const auto policy = random_policy(1);
   Played played;
-  played.result = run_episode(task, environment, policy, seed, 1,
+  played.result = run_episode(*task, environment, policy, seed, 1, sampled,
                               [&](const EpisodeStep& step) { played.steps.push_back(step); });
   return played;
 }
@@ -60,16 +57,19 @@ TEST(EpisodeTest, ShowsEveryStateOnce) {
 }
 
 TEST(EpisodeTest, RepeatsToTheBit) {
-  const Played one = play(5), again = play(5), other = play(6);
-  bool differs = false;
-  for (std::size_t k = 0; k < one.steps.size(); ++k) {
-    EXPECT_EQ(one.steps[k].state.centroid, again.steps[k].state.centroid);
-    EXPECT_EQ(one.steps[k].state.heading, again.steps[k].state.heading);
-    EXPECT_EQ(one.steps[k].state.alpha, again.steps[k].state.alpha);
-    EXPECT_EQ(one.steps[k].target, again.steps[k].target);
-    differs |= one.steps[k].state.centroid != other.steps[k].state.centroid;
+  for (const bool sampled : {false, true}) {
+    const Played one = play(5, sampled), again = play(5, sampled), other = play(6, sampled);
+    bool differs = false;
+    for (std::size_t k = 0; k < one.steps.size(); ++k) {
+      EXPECT_EQ(one.steps[k].state.centroid, again.steps[k].state.centroid);
+      EXPECT_EQ(one.steps[k].state.heading, again.steps[k].state.heading);
+      EXPECT_EQ(one.steps[k].state.alpha, again.steps[k].state.alpha);
+      EXPECT_EQ(one.steps[k].target, again.steps[k].target);
+      differs |= one.steps[k].state.centroid != other.steps[k].state.centroid;
+    }
+    EXPECT_TRUE(differs);
   }
-  EXPECT_TRUE(differs);
+  EXPECT_NE(play(5, false).steps[1].state.centroid, play(5, true).steps[1].state.centroid);
 }
 
 TEST(EpisodeTest, MeasuresTimeDistanceAndNetSpeed) {
@@ -84,15 +84,15 @@ TEST(EpisodeTest, MeasuresTimeDistanceAndNetSpeed) {
 }
 
 TEST(EpisodeTest, RefusesWhatDoesNotFit) {
-  Pursuit task{PursuitParameters()};
+  const auto task = make_task("pursuit", "{v_ratio: 0}");
   const auto policy = random_policy(1);
   const auto ignore = [](const EpisodeStep&) {};
   Environment two_lanes(EnvironmentConfig(), 2);
-  EXPECT_THROW(run_episode(task, two_lanes, policy, 0, 1, ignore), std::invalid_argument);
+  EXPECT_THROW(run_episode(*task, two_lanes, policy, 0, 1, false, ignore), std::invalid_argument);
   EnvironmentConfig four_links;
   four_links.model.links = 4;
   Environment longer(four_links, 1);
-  EXPECT_THROW(run_episode(task, longer, policy, 0, 1, ignore), std::invalid_argument);
+  EXPECT_THROW(run_episode(*task, longer, policy, 0, 1, false, ignore), std::invalid_argument);
 }
 
 }  // namespace

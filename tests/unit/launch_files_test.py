@@ -13,7 +13,10 @@ FOLDER = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "launch")
 FILES = sorted(os.path.join(FOLDER, name) for name in os.listdir(FOLDER))
 
 # What arguments without a default are given here.
-REQUIRED = {"bag": "/some/folder/some.bag"}
+REQUIRED = {"bag": "/some/folder/some.bag", "file": "/some/points.csv", "out": "/some/run",
+            "task": "path"}
+# What every launch file of a task takes.
+SHARED = {"rviz", "record", "seed", "episodes", "policy", "sampled", "realtime_factor", "bag_dir"}
 # Installed only where somebody asks for it.
 OPTIONAL_PACKAGES = {"rviz"}
 
@@ -26,7 +29,8 @@ def load(path, **arguments):
 class LaunchFilesTest(unittest.TestCase):
     def test_there_are_some(self):
         names = {os.path.basename(path) for path in FILES}
-        self.assertLessEqual({"pursuit.launch", "playback.launch", "view.launch"}, names)
+        self.assertLessEqual({"click.launch", "playback.launch", "pursuit.launch", "star.launch",
+                              "task.launch", "view.launch", "waypoints.launch"}, names)
 
     def test_every_file_loads_and_every_node_exists(self):
         for path in FILES:
@@ -56,8 +60,7 @@ class LaunchFilesTest(unittest.TestCase):
     def test_arguments_of_pursuit_reach_the_nodes(self):
         path = os.path.join(FOLDER, "pursuit.launch")
         arguments = roslaunch.arg_dump.get_args([path])
-        self.assertEqual({"rviz", "record", "v_ratio", "seed", "episodes", "policy",
-                          "realtime_factor", "bag_dir"}, set(arguments))
+        self.assertEqual(SHARED | {"v_ratio"}, set(arguments))
         config = load(path, rviz="false", v_ratio="0.25", seed="7", episodes="3", policy="/p",
                       realtime_factor="0", bag_dir="/b")
         value = {name: parameter.value for name, parameter in config.params.items()}
@@ -66,6 +69,9 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual(value["/threelink/task/seed"], 7)
         self.assertEqual(value["/threelink/task/episodes"], 3)
         self.assertEqual(value["/threelink/task/record"], True)
+        self.assertEqual(value["/threelink/task/task"], "pursuit")
+        self.assertEqual(value["/threelink/agent/seed"], 7)
+        self.assertEqual(value["/threelink/agent/sampled"], False)
         self.assertEqual(value["/threelink/task/policy"], "/p")
         self.assertEqual(value["/threelink/agent/policy"], "/p")
         self.assertEqual(value["/threelink/simulator/realtime_factor"], 0)
@@ -73,6 +79,29 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertNotIn("rviz", {node.type for node in config.nodes})
         without = load(path, rviz="false", record="false")
         self.assertNotIn("recorder_node", {node.type for node in without.nodes})
+
+    def test_every_task_has_the_same_arguments_and_its_own_parameters(self):
+        for file, task, own in (("star", "waypoints", set()), ("waypoints", "waypoints", {"file"}),
+                                ("click", "clicked_point", set()), ("task", "path", {"task"})):
+            with self.subTest(file):
+                path = os.path.join(FOLDER, file + ".launch")
+                self.assertEqual(set(roslaunch.arg_dump.get_args([path])), SHARED | own)
+                given = {name: REQUIRED[name] for name in own}
+                config = load(path, rviz="false", seed="7", sampled="true", **given)
+                value = {name: parameter.value for name, parameter in config.params.items()}
+                self.assertEqual(value["/threelink/task/task"], task)
+                self.assertEqual(value["/threelink/agent/sampled"], True)
+                self.assertEqual(value["/threelink/agent/seed"], 7)
+                self.assertTrue(value["/threelink/agent/policy"].endswith(".safetensors"))
+                self.assertEqual(value["/threelink/task/policy"], value["/threelink/agent/policy"])
+                if "file" in own:
+                    self.assertEqual(value["/threelink/task/points"], "/some/points.csv")
+
+    def test_a_task_may_bring_its_own_parameters(self):
+        os.environ["PWD"] = os.path.dirname(os.path.realpath(__file__))
+        config = load(os.path.join(FOLDER, "task.launch"), rviz="false",
+                      task="../plugin/pendulum.yaml")
+        self.assertEqual(config.params["/threelink/task/task"].value, "pendulum")
 
     def test_relative_paths_begin_where_roslaunch_was_called(self):
         path = os.path.join(FOLDER, "pursuit.launch")

@@ -111,12 +111,58 @@ TEST(Parameters, UnknownOnesAreRefusedWithTheNearestName) {
 
 TEST(Parameters, AValueInPlaceOfTheDictionaryIsRefused) {
   EXPECT_EQ(error_of([] { Parameters("/node", XmlRpcValue(3)); }),
-            "/node = 3 (int): must be a dictionary of this node's parameters");
+            "/node = 3 (int): must be a dictionary of parameters");
 }
 
 TEST(Parameters, RefuseNamesTheValue) {
   EXPECT_EQ(error_of([] { with("file", std::string("a.b")).refuse("file", "cannot be read"); }),
             "/node/file = \"a.b\" (string): cannot be read");
+}
+
+TEST(ParameterMap, ReadsYamlAndRecordsWhatItRead) {
+  const char* yaml = "{a: 1, b: 1.0e-05, c: true, d: \"x: \\\"y\\\"\", e: [[1, 2.5], [0.1, -3]]}";
+  std::string effective;
+  for (const std::string& text : {std::string(yaml), std::string()}) {
+    ParameterMap map("f", YAML::Load(text.empty() ? effective : text));
+    EXPECT_EQ(map.real("a", {0, 1}), 1);
+    EXPECT_EQ(map.real("b", {0, 1}), 1e-5);
+    EXPECT_TRUE(map.flag("c"));
+    EXPECT_EQ(map.text("d"), "x: \"y\"");
+    const auto points = map.points("e", {-5, 5}, nullptr);
+    EXPECT_EQ(points, (ParameterMap::Points{{1, 2.5}, {0.1, -3}}));
+    EXPECT_EQ(map.real("third", {0, 1}, 1.0 / 3), 1.0 / 3);
+    EXPECT_EQ(map.integer("whole", {0, 10}, 7), 7);
+    EXPECT_NO_THROW(map.finish());
+    effective = map.effective();
+  }
+  EXPECT_EQ(effective,
+            "a: 1.0\nb: 1.0e-05\nc: true\nd: \"x: \\\"y\\\"\"\n"
+            "e: [[1.0, 2.5], [0.1, -3.0]]\nthird: 0.3333333333333333\nwhole: 7\n");
+}
+
+TEST(ParameterMap, TakesQuotedNumbersForText) {
+  ParameterMap map("f", YAML::Load("{a: \"1\", b: 1, c: 1.0}"));
+  EXPECT_EQ(error_of([&] {
+              map.real("a", {0, 1});
+            }),
+            "f/a = \"1\" (string): must be a number; write it without quotes");
+  EXPECT_EQ(map.text("a"), "1");
+  EXPECT_EQ(error_of([&] { map.text("b"); }), "f/b = 1 (int): must be text");
+  EXPECT_EQ(error_of([&] {
+              map.integer("c", {0, 1});
+            }),
+            "f/c = 1 (double): must be a whole number");
+}
+
+TEST(ParameterMap, RefusesWhatIsGivenTwiceButIgnoresWhatItIsTold) {
+  ParameterMap map("f", YAML::Load("{a: 1, a: 2}"));
+  map.real("a", {0, 9});
+  EXPECT_EQ(error_of([&] { map.finish(); }), "f/a: given twice");
+  ParameterMap other("f", YAML::Load("{a: 1, b: 2}"));
+  other.real("a", {0, 9});
+  EXPECT_NE(error_of([&] { other.finish(); }), "");
+  other.ignore("b");
+  EXPECT_NO_THROW(other.finish());
 }
 
 }  // namespace

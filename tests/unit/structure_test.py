@@ -27,7 +27,8 @@ class StructureTest(unittest.TestCase):
         # Debian keeps ROS headers in /usr/include: a core that includes one would compile.
         checked = 0
         for package in ("threelink_sim", "threelink_agent", "threelink_tasks"):
-            for path in files(package, "src/core", "src/kernel", "src/training", "include"):
+            for path in files(package, "src/core", "src/kernel", "src/training",
+                              "src/distributed", "include"):
                 checked += 1
                 with open(path) as file:
                     self.assertIsNone(ROS_INCLUDE.search(file.read()), path)
@@ -35,6 +36,7 @@ class StructureTest(unittest.TestCase):
 
     def test_control_loop_knows_no_libtorch(self):
         nodes = [("threelink_sim", "simulator_node"), ("threelink_agent", "agent_node"),
+                 ("threelink_agent", "worker_node"),
                  ("threelink_tasks", "task_node"), ("threelink_tasks", "recorder_node")]
         for package, name in nodes:
             found = subprocess.run(["catkin_find", "--first-only", "--libexec", package, name],

@@ -34,10 +34,11 @@ struct EpisodeResult {
   EpisodeMeasures measures;
 };
 
-// `environment` has one lane and the policy's number of links; `watch` sees every state in order.
+// `environment` has one lane and the policy's number of links; `sampled` actions are keyed by
+// (seed, episode, step), else they are the mean; `watch` sees every state in order.
 EpisodeResult run_episode(Task& task, threelink_sim::Environment& environment,
                           const threelink_agent::Policy& policy, std::uint64_t seed,
-                          std::uint32_t episode,
+                          std::uint32_t episode, bool sampled,
                           const std::function<void(const EpisodeStep&)>& watch);
 
 }  // namespace threelink_tasks

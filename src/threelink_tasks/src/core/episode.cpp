@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "threelink_sim/lockstep.hpp"
+#include "play.hpp"
 
 namespace threelink_tasks {
 
@@ -21,24 +21,15 @@ EpisodeMeasures measure(std::uint64_t step, double dt, const Eigen::Vector2d& fi
 
 EpisodeResult run_episode(Task& task, threelink_sim::Environment& environment,
                           const threelink_agent::Policy& policy, std::uint64_t seed,
-                          std::uint32_t episode,
+                          std::uint32_t episode, bool sampled,
                           const std::function<void(const EpisodeStep&)>& watch) {
   const threelink_sim::EnvironmentConfig& config = environment.config();
   if (environment.lanes() != 1)
     throw std::invalid_argument(
         fmt::format("lanes = {}: an episode is played in one", environment.lanes()));
-  if (policy.hinges() != config.model.hinges() ||
-      policy.observation_size() != direction_observation_size(config.model))
-    throw std::invalid_argument(
-        fmt::format("the policy turns {} numbers into {} rates: {} links have {} and {}",
-                    policy.observation_size(), policy.hinges(), config.model.links,
-                    direction_observation_size(config.model), config.model.hinges()));
-
+  require_fit(policy, config);
   task.reset(seed, episode);
-  const Start start = task.start();
-  threelink_sim::HingeVector alpha = start.alpha;
-  if (alpha.size() == 0) alpha.setZero(config.model.hinges());
-  environment.reset(0, state_from_free_end(config.model, start.x_1, start.theta_1, alpha));
+  environment.reset(0, start_state(config.model, task.start(), seed, episode));
 
   std::vector<double> observation(policy.observation_size());
   EpisodeStep now{0, environment.batch().state(0), {}, {}};
@@ -48,12 +39,12 @@ EpisodeResult run_episode(Task& task, threelink_sim::Environment& environment,
     now.target = task.target();
     now.rates.resize(0);
     if (outcome == Outcome::kRunning) {
-      environment.set_direction(0, threelink_sim::target_direction(now.state.centroid, now.target,
-                                                                   environment.direction(0))
-                                       .p);
+      aim(environment, 0, now.target);
       environment.observe(observation.data());
       now.rates.resize(policy.hinges());
-      policy.act(observation.data(), now.rates.data());
+      const threelink_agent::ActionKey key{seed, episode, static_cast<std::uint32_t>(now.step)};
+      sampled ? policy.sample(observation.data(), key, now.rates.data())
+              : policy.act(observation.data(), now.rates.data());
     }
     watch(now);
     if (outcome != Outcome::kRunning)

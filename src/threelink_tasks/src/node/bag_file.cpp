@@ -68,9 +68,11 @@ void BagFile::open() {
   bag_->setChunkThreshold(kChunkThreshold);
   try {
     bag_->open(active_.string(), rosbag::bagmode::Write);
-  } catch (const rosbag::BagException&) {
+  } catch (const rosbag::BagException& error) {
     let_go();
-    throw;
+    std::error_code ignored;
+    fs::remove(active_, ignored);
+    throw std::runtime_error(fmt::format("cannot begin {}: {}", active_.string(), error.what()));
   }
   flushed_ = std::chrono::steady_clock::now();
 }
@@ -94,6 +96,9 @@ void BagFile::flush_if_due() {
 void BagFile::close() {
   bag_->close();
   sync(active_, O_WRONLY);
+}
+
+void BagFile::rename() {
   fs::rename(active_, path_);
   sync(path_.parent_path(), O_RDONLY | O_DIRECTORY);
 }

@@ -12,6 +12,8 @@
 #include <ros/time.h>
 #include <rosbag/bag.h>
 
+#include "bag_contents.hpp"
+
 namespace threelink_tasks {
 
 // What the name of an open bag ends with.
@@ -37,7 +39,7 @@ class BagFile {
   template <class Message>
   void write(const std::string& topic, const ros::Time& time, const Message& message) {
     bag_->write(topic, time, message);
-    ++messages_;
+    contents_.add(topic, time, message);
   }
   // `rosbag play` latches such a message again.
   template <class Message>
@@ -46,11 +48,14 @@ class BagFile {
   // Hands what was written to the kernel, if kFlushPeriod has gone by since the last time.
   void flush_if_due();
 
-  // Writes the index, syncs the file and takes ".active" off its name.
+  // Writes the index and syncs the file. Nothing can be written after that.
   void close();
+  // Takes ".active" off the name of a closed bag.
+  void rename();
 
-  const std::filesystem::path& path() const { return path_; }  // of the closed bag
-  std::uint64_t messages() const { return messages_; }
+  const std::filesystem::path& path() const { return path_; }           // in the end
+  const std::filesystem::path& active_path() const { return active_; }  // until rename()
+  const BagContents& contents() const { return contents_; }
 
  private:
   void open();
@@ -60,7 +65,7 @@ class BagFile {
   std::filesystem::path active_;
   std::unique_ptr<rosbag::Bag> bag_;
   int lock_ = -1;
-  std::uint64_t messages_ = 0;
+  BagContents contents_;
   std::chrono::steady_clock::time_point flushed_;
 };
 
@@ -74,7 +79,7 @@ void BagFile::write_latched(const std::string& topic, const ros::Time& time,
                                 {"md5sum", traits::md5sum<Message>()},
                                 {"message_definition", traits::definition<Message>()},
                                 {"latching", "1"}}));
-  ++messages_;
+  contents_.add(topic, time, message);
 }
 
 }  // namespace threelink_tasks

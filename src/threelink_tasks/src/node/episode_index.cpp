@@ -2,6 +2,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -14,6 +16,7 @@ namespace {
 
 using threelink_msgs::Episode;
 
+constexpr char kFile[] = "episodes.csv";
 constexpr char kHeader[] =
     "episode,bag,task,seed,status,steps,time,distance,mean_speed,policy_sha256,messages,"
     "recovered\n";
@@ -120,9 +123,21 @@ IndexRow EpisodeStory::row() const {
 }
 
 void append_to_index(const std::filesystem::path& folder, const IndexRow& row) {
-  LockedFile file(folder / "episodes.csv");
+  LockedFile file(folder / kFile);
   const off_t end = file.end_of_lines();
   file.replace_from(end, (end == 0 ? kHeader : "") + line(row));
+}
+
+std::vector<std::string> indexed_bags(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::ifstream file(folder / kFile);
+  std::string row, episode, bag;
+  std::getline(file, row);  // the header
+  while (std::getline(file, row) && !file.eof()) {
+    std::istringstream cells(row);
+    if (std::getline(cells, episode, ',') && std::getline(cells, bag, ',')) names.push_back(bag);
+  }
+  return names;
 }
 
 }  // namespace threelink_tasks

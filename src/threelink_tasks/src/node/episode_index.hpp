@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <threelink_msgs/Episode.h>
 #include <threelink_msgs/Observation.h>
@@ -51,5 +52,8 @@ std::string status_name(std::uint8_t status);
 // Appends a row to FOLDER/episodes.csv, whole or not at all, also if several recorders share the
 // folder. Throws std::runtime_error naming the file.
 void append_to_index(const std::filesystem::path& folder, const IndexRow& row);
+
+// Names of the bags that FOLDER/episodes.csv lists, oldest first; none if it cannot be read.
+std::vector<std::string> indexed_bags(const std::filesystem::path& folder);
 
 }  // namespace threelink_tasks

@@ -168,30 +168,43 @@ std::vector<fs::path> leftover_bags(const fs::path& folder) {
   return leftovers;
 }
 
-IndexRow recover_leftover(const fs::path& leftover) {
+std::optional<IndexRow> recover_leftover(const fs::path& leftover) {
+  const fs::path folder = leftover.parent_path();
   const std::string name = leftover.stem().stem();  // without .bag.active
-  const fs::path path = leftover.parent_path() / (name + kRecovered + ".bag");
+  const std::vector<std::string> listed = indexed_bags(folder);
+  const auto is_listed = [&](const std::string& bag) {
+    return std::find(listed.begin(), listed.end(), bag) != listed.end();
+  };
+  if (fs::is_empty(leftover)) {  // its recorder died before the first message
+    fs::remove(leftover);
+    return std::nullopt;
+  }
+  if (is_listed(name + ".bag")) {  // ... or after the last one
+    fs::rename(leftover, folder / (name + ".bag"));
+    return std::nullopt;
+  }
   EpisodeStory story;
-  std::uint64_t messages = 0;
+  IndexRow row;
+  BagFile bag(folder / (name + kRecovered + ".bag"));
   try {
-    BagFile bag(path);
     read_messages(leftover, [&](const std::string& topic, const ros::Time& time,
                                 const topic_tools::ShapeShifter& message) {
       bag.write(topic, time, message);
       tell(story, message);
     });
     bag.close();
-    messages = bag.messages();
+    row = story.row();
+    row.bag = bag.path().filename();
+    row.messages = bag.contents().messages();
+    row.recovered = true;
+    if (!is_listed(row.bag)) append_to_index(folder, row);
+    bag.rename();
   } catch (const std::exception&) {
     std::error_code ignored;
-    fs::remove(path.string() + kActiveSuffix, ignored);
+    fs::remove(bag.active_path(), ignored);
     throw;
   }
   fs::remove(leftover);
-  IndexRow row = story.row();
-  row.bag = path.filename();
-  row.messages = messages;
-  row.recovered = true;
   return row;
 }
 

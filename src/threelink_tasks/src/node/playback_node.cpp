@@ -14,7 +14,9 @@
 #include <threelink_msgs/Episode.h>
 #include <yaml-cpp/yaml.h>
 
+#include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
+#include "threelink_sim/node/simulator_config.hpp"
 #include "threelink_sim/node/swimmer_view.hpp"
 #include "threelink_sim/node/topics.hpp"
 
@@ -41,29 +43,37 @@ publishes
   target_path   nav_msgs/Path
 parameters
   ~bag          path of the bag that is played: its units are those of the episode
+  ~rate  ~loop  how rosbag plays it [1 s of simulation / s of wall time, false]
 )";
 
 constexpr double kDisplayPeriod = 1.0 / 30;  // [s] wall time
+// [s] wall time around a jump back of /clock in which nothing is shown, so that no listener gets a
+// transform of one pass among those of the other: tf2 then warns about every one that follows.
+constexpr double kJump = 0.1;
 
-// How to draw the episode of a bag, from the configuration that it was recorded with.
-threelink_sim::SwimmerViewConfig read_view_config(const std::string& path) {
+struct PlaybackConfig {
+  threelink_sim::SwimmerViewConfig view;  // as the episode was shown
+  ros::Time end;                          // of the bag
+  double rate = 1;                        // [s of simulation / s of wall time]
+  bool loop = false;
+};
+
+void read_bag(const std::string& path, PlaybackConfig& config) {
   rosbag::Bag bag(path);
+  rosbag::View all(bag);
+  config.end = all.getEndTime();
   rosbag::View episodes(bag, rosbag::TypeQuery(ros::message_traits::datatype<Episode>()));
   if (episodes.size() == 0) throw std::runtime_error("it holds no episode");
-  const YAML::Node config =
-      YAML::Load(episodes.begin()->instantiate<Episode>()->config)["simulator"];
-  threelink_sim::SwimmerViewConfig view;
-  view.scales.length = config["length_scale"].as<double>();
-  view.scales.time = config["time_scale"].as<double>();
-  view.dt = config["dt"].as<double>();
-  view.gamma = config["gamma"].as<double>();
-  return view;
+  threelink_sim::ParameterMap parameters(
+      "simulator", YAML::Load(episodes.begin()->instantiate<Episode>()->config)["simulator"]);
+  const auto simulator = threelink_sim::read_simulator_config(parameters);
+  config.view = {simulator.scales, simulator.environment.dt, simulator.environment.model.gamma};
 }
 
 class Playback {
  public:
-  explicit Playback(const threelink_sim::SwimmerViewConfig& config)
-      : config_(config), view_(node_, config, [] {}) {
+  explicit Playback(const PlaybackConfig& config)
+      : config_(config), view_(node_, config.view, [] {}) {
     joint_publisher_ = node_.advertise<sensor_msgs::JointState>(topics::kJointStates, 100);
     path_publisher_ = node_.advertise<nav_msgs::Path>(topics::kTargetPath, 2, true);
     state_subscriber_ = node_.subscribe(topics::kState, 1000, &Playback::on_state, this);
@@ -74,12 +84,22 @@ class Playback {
     while (threelink_sim::running()) {
       ros::WallDuration(kDisplayPeriod).sleep();
       ros::getGlobalCallbackQueue()->callAvailable();
-      show_latest();
+      if (may_show()) show_latest();
     }
     return threelink_sim::kSuccess;
   }
 
  private:
+  // Whether the latest state is of the pass that /clock is in, and /clock not about to jump.
+  bool may_show() {
+    const ros::Time now = ros::Time::now();
+    if (now < now_) jumped_ = ros::WallTime::now();
+    now_ = now;
+    if (ros::WallTime::now() - jumped_ < ros::WallDuration(kJump)) return false;
+    const ros::Duration ahead(kJump * config_.rate);
+    return state_stamp_ < now + ahead && !(config_.loop && now + ahead > config_.end);
+  }
+
   void show_latest() {
     if (state_stamp_ == shown_stamp_) return;
     shown_stamp_ = state_stamp_;
@@ -92,8 +112,8 @@ class Playback {
   void on_state(const threelink_msgs::SwimmerState& state) {
     state_stamp_ = state.header.stamp;
     view_.add(state);
-    threelink_sim::to_joint_state(state, config_.scales, joints_);
-    threelink_sim::to_transform(state, config_.scales, transform_);
+    threelink_sim::to_joint_state(state, config_.view.scales, joints_);
+    threelink_sim::to_transform(state, config_.view.scales, transform_);
   }
 
   void on_target(const geometry_msgs::PointStamped& target) {
@@ -111,7 +131,7 @@ class Playback {
     target_path_.add(targets_++, pose);
   }
 
-  threelink_sim::SwimmerViewConfig config_;
+  PlaybackConfig config_;
   ros::NodeHandle node_;
   threelink_sim::SwimmerView view_;
   tf2_ros::TransformBroadcaster transform_publisher_;
@@ -120,22 +140,25 @@ class Playback {
   geometry_msgs::TransformStamped transform_;
   threelink_sim::ThinnedPath target_path_;
   ros::Time state_stamp_, shown_stamp_, target_stamp_;
+  ros::Time now_;              // simulation time
+  ros::WallTime jumped_;       // when that went back
   std::uint64_t targets_ = 0;  // since the start
   ros::Subscriber state_subscriber_, target_subscriber_;
 };
 
 int run() {
   threelink_sim::Parameters parameters{ros::NodeHandle("~")};
+  PlaybackConfig config;
   const std::string bag = parameters.text("bag");
+  config.rate = parameters.real("rate", {1e-3, 1e4}, config.rate);
+  config.loop = parameters.flag("loop", config.loop);
   parameters.finish();
-  const auto read = [&] {
-    try {
-      return read_view_config(bag);
-    } catch (const std::exception& error) {
-      parameters.refuse("bag", error.what());
-    }
-  };
-  return Playback(read()).run();
+  try {
+    read_bag(bag, config);
+  } catch (const std::exception& error) {
+    parameters.refuse("bag", error.what());
+  }
+  return Playback(config).run();
 }
 
 }  // namespace

@@ -13,6 +13,9 @@
 #include <sensor_msgs/JointState.h>
 #include <threelink_msgs/HingeRates.h>
 #include <threelink_msgs/Observation.h>
+#include <threelink_msgs/PolicyWeights.h>
+#include <threelink_msgs/SwimmerState.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include "leftover_bag.hpp"
 #include "threelink_sim/node/node_main.hpp"
@@ -35,10 +38,7 @@ constexpr std::uint32_t kQueue = 100000;  // messages a topic: some seconds of a
 constexpr std::size_t kMaxEarly = 10000;  // messages that wait for an episode to start
 constexpr auto kNap = 2ms;                // between looks at what has arrived
 constexpr auto kSettled = 100ms;          // connections are up for good after this
-// An episode is over when nothing came for this long: what is displayed 30 times a second comes
-// last.
-constexpr auto kQuiet = 60ms;
-constexpr auto kPatience = 1s;  // after its end was announced
+constexpr auto kPatience = 1s;            // for the task's last words
 
 template <class Message>
 ros::Time stamp_of(const Message& message) {
@@ -48,16 +48,18 @@ ros::Time stamp_of(const tf2_msgs::TFMessage& message) {
   return message.transforms.empty() ? ros::Time() : message.transforms[0].header.stamp;
 }
 
+ros::Time stamp_of(const visualization_msgs::MarkerArray& message) {
+  return message.markers.empty() ? ros::Time() : message.markers.back().header.stamp;
+}
+
 }  // namespace
 
 Recorder::Recorder(const RecorderParameters& parameters)
     : parameters_(parameters),
+      quota_(parameters.folder, parameters.quota),
       diagnostics_("recording", "threelink_recorder",
                    [this](threelink_sim::Diagnostics::Status& status, double) { report(status); }),
-      messages_(diagnostics_.counter("messages recorded")),
-      bags_(diagnostics_.counter("bags written")),
-      states_missing_(diagnostics_.refusals("states missing")),
-      failures_(diagnostics_.refusals("bags failed")),
+      counters_(diagnostics_),
       recording_(node_.advertise<Recording>(topics::kRecording, 10, true)) {
   recover_leftovers();
   // Waking up for each message takes more of the machine than recording it, and the machine is busy
@@ -72,8 +74,20 @@ Recorder::Recorder(const RecorderParameters& parameters)
   listen<tf2_msgs::TFMessage>(kTransforms);
   subscribers_.push_back(node_.subscribe(topics::kEpisode, kQueue, &Recorder::on_episode, this));
   subscribers_.push_back(node_.subscribe(topics::kAbort, kQueue, &Recorder::on_abort, this));
-  static_transform_subscriber_ =
-      node_.subscribe(kStaticTransforms, kQueue, &Recorder::on_static_transforms, this);
+
+  latched_subscribers_.push_back(node_.subscribe<tf2_msgs::TFMessage>(
+      kStaticTransforms, kQueue, [this](const tf2_msgs::TFMessageConstPtr& message) {
+        if (message->transforms.empty()) return;
+        remember(kStaticTransforms, message->transforms[0].child_frame_id, message);
+      }));
+  latched_subscribers_.push_back(node_.subscribe<visualization_msgs::MarkerArray>(
+      topics::kWaypoints, kQueue, [this](const visualization_msgs::MarkerArrayConstPtr& message) {
+        on_message(node_.resolveName(topics::kWaypoints), message);
+      }));
+  latched_subscribers_.push_back(node_.subscribe<threelink_msgs::PolicyWeights>(
+      topics::kPolicy, kQueue, [this](const threelink_msgs::PolicyWeightsConstPtr& message) {
+        remember(node_.resolveName(topics::kPolicy), "", message);
+      }));
 }
 
 int Recorder::run() {
@@ -81,14 +95,8 @@ int Recorder::run() {
     std::this_thread::sleep_for(kNap);
     ros::getGlobalCallbackQueue()->callAvailable();
     if (!ready_) announce_ready();
-    if (open_ && open_->bag && open_->failure.empty()) {
-      try {
-        open_->bag->flush_if_due();
-      } catch (const std::exception& error) {
-        fail(error.what());
-      }
-    }
-    if (open_ && all_arrived()) close_episode(parameters_.pictures);
+    if (open_) open_->tend();
+    if (open_ && open_->all_arrived()) close_episode(parameters_.pictures);
     announce_finished();
   }
   end_open_episode();
@@ -108,15 +116,18 @@ void Recorder::listen(const std::string& topic) {
 template <class Message>
 void Recorder::on_message(const std::string& topic,
                           const boost::shared_ptr<Message const>& message) {
-  last_arrival_ = Clock::now();
   const ros::Time stamp = stamp_of(*message);
-  if (open_) return record(topic, stamp, *message);
-  early_.push_back({stamp, [this, topic, stamp, message] { record(topic, stamp, *message); }});
+  if (open_) return open_->record(topic, stamp, *message);
+  early_.push_back({stamp, [=] { open_->record(topic, stamp, *message); }});
   if (early_.size() > kMaxEarly) early_.pop_front();
 }
 
-void Recorder::on_static_transforms(const tf2_msgs::TFMessageConstPtr& message) {
-  static_transforms_.push_back(message);
+template <class Message>
+void Recorder::remember(const std::string& topic, const std::string& key,
+                        const boost::shared_ptr<Message const>& message) {
+  const auto record = [=] { open_->record(topic, open_->start(), *message, true); };
+  latched_[topic + " " + key] = record;
+  if (open_) record();
 }
 
 void Recorder::on_episode(const threelink_msgs::EpisodeConstPtr& message) {
@@ -126,125 +137,46 @@ void Recorder::on_episode(const threelink_msgs::EpisodeConstPtr& message) {
     open_episode(*message);
     return;
   }
-  if (!open_ || message->episode != open_->number) return;
-  record(node_.resolveName(topics::kEpisode), message->header.stamp, *message, true);
-  expect_end(message->step);
+  if (!open_ || message->episode != open_->episode()) return;
+  open_->record(node_.resolveName(topics::kEpisode), message->header.stamp, *message, true);
+  open_->expect_end(message->step);
 }
 
 void Recorder::on_abort(const threelink_msgs::EpisodeAbortConstPtr& message) {
-  if (!open_ || message->episode != open_->number) return;
-  record(node_.resolveName(topics::kAbort), message->header.stamp, *message);
-  open_->close_until = Clock::now() + kPatience;  // the task's Episode message should follow
+  if (!open_ || message->episode != open_->episode()) return;
+  open_->record(node_.resolveName(topics::kAbort), message->header.stamp, *message);
+  open_->expect_end(std::nullopt);  // the task's Episode message should follow
 }
 
-// --- The open episode ----------------------------------------------------------------------------
+// --- Episodes ------------------------------------------------------------------------------------
 
 void Recorder::open_episode(const threelink_msgs::Episode& message) {
   last_start_ = message.header.stamp;
-  open_.emplace();
-  open_->number = message.episode;
-  open_->start = message.header.stamp;
-  try {
-    open_->bag = std::make_unique<BagFile>(parameters_.folder, message.task, message.episode);
-  } catch (const std::exception& error) {
-    fail(error.what());
-  }
-  record(node_.resolveName(topics::kEpisode), open_->start, message, true);
-  for (const tf2_msgs::TFMessageConstPtr& transforms : static_transforms_)
-    record(kStaticTransforms, open_->start, *transforms, true);
+  open_.emplace(parameters_.folder, quota_, message, counters_);
+  open_->record(node_.resolveName(topics::kEpisode), open_->start(), message, true);
+  for (const auto& [key, record] : latched_) record();
   for (const Early& early : early_) early.record();
   early_.clear();
 }
 
-template <class Message>
-void Recorder::record(const std::string& topic, const ros::Time& stamp, const Message& message,
-                      bool latched) {
-  if (stamp < open_->start || !is_new(message)) return;
-  open_->story.hear(message);
-  if (!open_->failure.empty()) return;
-  try {
-    if (latched) {
-      open_->bag->write_latched(topic, stamp, message);
-    } else {
-      open_->bag->write(topic, stamp, message);
-    }
-    ++messages_;
-  } catch (const std::exception& error) {
-    fail(error.what());
-  }
-}
-
-bool Recorder::is_new(const threelink_msgs::SwimmerState& message) {
-  const std::uint64_t expected = open_->last_state ? *open_->last_state + 1 : 0;
-  if (message.step < expected) return false;
-  open_->states_missing += message.step - expected;
-  states_missing_ += message.step - expected;
-  open_->last_state = message.step;
-  return true;
-}
-
-void Recorder::fail(const std::string& reason) {
-  const std::string name = open_->bag ? open_->bag->path().string() + kActiveSuffix
-                                      : "a new bag in " + parameters_.folder.string();
-  open_->failure = fmt::format("episode {} is not recorded: {}: {}", open_->number, name, reason);
-  ++failures_;
-  ROS_ERROR("%s", open_->failure.c_str());
-}
-
-void Recorder::expect_end(std::uint64_t last_step) {
-  open_->last_step = last_step;
-  open_->close_until = Clock::now() + kPatience;
-}
-
-bool Recorder::all_arrived() const {
-  if (!open_->close_until) return false;
-  const auto now = Clock::now();
-  if (now > *open_->close_until) return true;
-  return open_->last_step && open_->last_state >= open_->last_step && now - last_arrival_ > kQuiet;
-}
-
 void Recorder::close_episode(bool picture) {
-  if (open_->failure.empty()) {
-    try {
-      open_->bag->close();
-      ++bags_;
-    } catch (const std::exception& error) {
-      fail(error.what());
-    }
-  }
-  last_failure_ = open_->failure;
   Finished finished;
-  Recording& recording = finished.recording;
-  recording.header.stamp = open_->start;
-  recording.episode = open_->number;
-  if (!open_->failure.empty()) {
-    recording.state = Recording::FAILED;
-    recording.status = open_->failure;
-  } else {
-    const fs::path path = open_->bag->path();
-    recording.state = Recording::WRITTEN;
-    recording.bag = path;
-    recording.messages = open_->bag->messages();
-    recording.status = open_->states_missing == 0
-                           ? "no state is missing"
-                           : fmt::format("{} states are missing", open_->states_missing);
+  finished.recording = open_->close(node_.resolveName(topics::kRecording));
+  last_failure_ = open_->failure();
+  open_.reset();
+  if (picture && finished.recording.state == Recording::WRITTEN) {
+    const fs::path bag = finished.recording.bag;
+    finished.recording.picture = fs::path(bag).replace_extension(".png");
     try {
-      IndexRow row = open_->story.row();
-      row.bag = path.filename();
-      row.messages = recording.messages;
-      append_to_index(parameters_.folder, row);
-      if (picture) {
-        recording.picture = fs::path(path).replace_extension(".png");
-        finished.drawing = std::make_unique<ChildProcess>(std::vector<std::string>{
-            beside_this_program("draw_episode.py"), path, recording.picture});
-      }
+      finished.drawing = std::make_unique<ChildProcess>(std::vector<std::string>{
+          beside_this_program("plot_episode"), bag, "--path", "--out", finished.recording.picture});
     } catch (const std::exception& error) {
       ROS_ERROR("%s", error.what());
-      recording.status += fmt::format("; {}", error.what());
+      finished.recording.picture.clear();
+      finished.recording.status += fmt::format("; {}", error.what());
     }
   }
   finished_.push_back(std::move(finished));
-  open_.reset();
 }
 
 // --- The rest ------------------------------------------------------------------------------------
@@ -252,14 +184,9 @@ void Recorder::close_episode(bool picture) {
 void Recorder::recover_leftovers() {
   for (const fs::path& leftover : leftover_bags(parameters_.folder)) {
     try {
-      if (fs::is_empty(leftover)) {  // its recorder died before the first message
-        fs::remove(leftover);
-        continue;
-      }
-      const IndexRow row = recover_leftover(leftover);
-      append_to_index(parameters_.folder, row);
-      ROS_WARN("recovered %lu messages of episode %u, whose recorder died: %s", row.messages,
-               row.episode, (parameters_.folder / row.bag).c_str());
+      if (const std::optional<IndexRow> row = recover_leftover(leftover))
+        ROS_WARN("recovered %lu messages of episode %u, whose recorder died: %s", row->messages,
+                 row->episode, (parameters_.folder / row->bag).c_str());
     } catch (const std::exception& error) {
       ROS_ERROR("cannot recover %s: %s", leftover.c_str(), error.what());
     }
@@ -302,7 +229,7 @@ void Recorder::announce_finished() {
 void Recorder::end_open_episode() {
   // The task ends at the same time, and says so.
   const auto until = Clock::now() + kPatience;
-  while (open_ && !all_arrived() && Clock::now() < until)
+  while (open_ && !open_->all_arrived() && Clock::now() < until)
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
   if (open_) close_episode(false);
   for (Finished& finished : finished_) {
@@ -314,12 +241,14 @@ void Recorder::end_open_episode() {
 }
 
 void Recorder::report(threelink_sim::Diagnostics::Status& status) {
-  if (!last_failure_.empty()) {
-    status.summary(DiagnosticStatus::ERROR, last_failure_);
+  const std::string& failure =
+      open_ && !open_->failure().empty() ? open_->failure() : last_failure_;
+  if (!failure.empty()) {
+    status.summary(DiagnosticStatus::ERROR, failure);
   } else {
     status.summary(DiagnosticStatus::OK, open_ ? "recording" : ready_ ? "ready" : "connecting");
   }
-  if (open_ && open_->bag) status.add("bag", open_->bag->path().string());
+  if (open_) status.add("bag", open_->bag());
 }
 
 }  // namespace threelink_tasks

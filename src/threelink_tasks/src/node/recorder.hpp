@@ -1,15 +1,16 @@
 // Records every episode into a bag of its own.
 //
-// A bag is opened by the Episode message that starts the episode, and closed after the one that
+// A recording begins with the Episode message that starts the episode, and ends after the one that
 // ends it (or the simulator's abort) as soon as nothing more comes in. Messages are told apart by
 // their stamps, which rise over all episodes; those that overtake the start message wait for it in
-// early_.
+// early_. Latched messages that are older than the episode are repeated in each bag.
 #pragma once
 
 #include <chrono>
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,11 +21,9 @@
 #include <threelink_msgs/Episode.h>
 #include <threelink_msgs/EpisodeAbort.h>
 #include <threelink_msgs/Recording.h>
-#include <threelink_msgs/SwimmerState.h>
 
-#include "bag_file.hpp"
 #include "child_process.hpp"
-#include "episode_index.hpp"
+#include "episode_recording.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 
 namespace threelink_tasks {
@@ -32,6 +31,7 @@ namespace threelink_tasks {
 struct RecorderParameters {
   std::filesystem::path folder;  // of the bags; made if it is missing
   bool pictures = true;          // draw both trajectories of each episode
+  BagQuotaParameters quota;
 };
 
 class Recorder {
@@ -49,17 +49,6 @@ class Recorder {
     ros::Time stamp;
     std::function<void()> record;
   };
-  struct OpenEpisode {
-    std::uint32_t number = 0;
-    ros::Time start;
-    std::unique_ptr<BagFile> bag;  // null if it could not be opened
-    std::string failure;           // what went wrong with the bag
-    EpisodeStory story;
-    std::optional<std::uint64_t> last_state;       // step of the last one recorded
-    std::uint64_t states_missing = 0;              // before that one
-    std::optional<std::uint64_t> last_step;        // of the episode, once its end was announced
-    std::optional<Clock::time_point> close_until;  // end announced: by then at the latest
-  };
   struct Finished {
     threelink_msgs::Recording recording;
     std::unique_ptr<ChildProcess> drawing;  // null if there is none
@@ -70,24 +59,14 @@ class Recorder {
   void listen(const std::string& topic);
   template <class Message>
   void on_message(const std::string& topic, const boost::shared_ptr<Message const>& message);
-  void on_static_transforms(const tf2_msgs::TFMessageConstPtr& message);
+  // Latched ones that outlive an episode; `key` tells apart those that do not replace each other.
+  template <class Message>
+  void remember(const std::string& topic, const std::string& key,
+                const boost::shared_ptr<Message const>& message);
   void on_episode(const threelink_msgs::EpisodeConstPtr& message);
   void on_abort(const threelink_msgs::EpisodeAbortConstPtr& message);
 
-  // The open episode.
   void open_episode(const threelink_msgs::Episode& message);
-  template <class Message>
-  void record(const std::string& topic, const ros::Time& stamp, const Message& message,
-              bool latched = false);
-  // False if the message repeats one that was recorded.
-  bool is_new(const threelink_msgs::SwimmerState& message);
-  template <class Message>
-  bool is_new(const Message&) {
-    return true;
-  }
-  void fail(const std::string& reason);
-  void expect_end(std::uint64_t last_step);
-  bool all_arrived() const;
   void close_episode(bool picture);
 
   void recover_leftovers();
@@ -97,21 +76,18 @@ class Recorder {
   void report(threelink_sim::Diagnostics::Status& status);
 
   RecorderParameters parameters_;
+  BagQuota quota_;
   ros::NodeHandle node_;
   threelink_sim::Diagnostics diagnostics_;
-  threelink_sim::Diagnostics::Counter& messages_;
-  threelink_sim::Diagnostics::Counter& bags_;
-  threelink_sim::Diagnostics::Counter& states_missing_;
-  threelink_sim::Diagnostics::Counter& failures_;
+  RecordingCounters counters_;
   std::vector<ros::Subscriber> subscribers_;  // what has to be connected before an episode starts
-  ros::Subscriber static_transform_subscriber_;
+  std::vector<ros::Subscriber> latched_subscribers_;  // what there may be or not
   ros::Publisher recording_;
 
   std::deque<Early> early_;
-  std::vector<tf2_msgs::TFMessageConstPtr> static_transforms_;
-  std::optional<OpenEpisode> open_;
+  std::map<std::string, std::function<void()>> latched_;  // records the message again
+  std::optional<EpisodeRecording> open_;
   ros::Time last_start_;  // of the episode opened last
-  Clock::time_point last_arrival_;
   std::optional<Clock::time_point> connected_since_;
   bool ready_ = false;
   std::deque<Finished> finished_;  // to be announced, in order

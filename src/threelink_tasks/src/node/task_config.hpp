@@ -1,32 +1,57 @@
-// The task node's parameters; config/pursuit.yaml is their manual.
+// The task node's parameters, and what an episode is played with; config/pursuit.yaml and its
+// siblings are the manual.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
-#include "threelink_agent/policy.hpp"
+#include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/simulator_config.hpp"
-#include "threelink_tasks/pursuit.hpp"
+#include "threelink_tasks/task.hpp"
 
 namespace threelink_tasks {
 
-struct TaskConfig {
-  int episodes;
-  std::uint64_t seed;
+struct PolicyInfo {
+  std::string file;
+  std::string sha256;
+  double v_m;  // [L/T0] its speed
+
+  // Throws threelink_agent::PolicyError.
+  static PolicyInfo of(const std::string& file);
+};
+
+// What an episode is played with.
+struct Assignment {
+  std::string name;  // of the task
+  std::shared_ptr<Task> task;
+  std::string parameters;  // of the task, effective, as lines of YAML
+  std::uint64_t seed = 0;
+  PolicyInfo policy;
+};
+
+struct PlayerConfig {
+  int episodes;          // 0: those that clients of the action ask for
   bool record;           // wait for a recorder
   double start_timeout;  // [s] wall time, for what has to be there before an episode can start
-  std::string policy_file;
-  std::string policy_sha256;
-  double v_m;      // [L/T0] speed of that policy
-  double v_ratio;  // speed of the target / v_m
-  PursuitParameters pursuit;
   threelink_sim::SimulatorConfig simulator;  // as the simulator's own parameters say
+  std::string surroundings;                  // simulator's and agent's parameters, as YAML
 
-  // Everything above as YAML, for the record.
-  std::string yaml() const;
+  // Everything as YAML, for the record: what make_task() and a replay need.
+  std::string yaml(const Assignment& assignment) const;
+};
+
+struct TaskNodeConfig {
+  PlayerConfig player;
+  Assignment assignment;  // of the episodes that the node plays by itself
 };
 
 // Throws ParameterError.
-TaskConfig read_task_config(threelink_sim::Parameters& parameters);
+TaskNodeConfig read_task_node_config(threelink_sim::Parameters& parameters);
+
+// Fills name, task and parameters of an assignment whose policy is set. Calls finish(). Throws
+// UsageError.
+void assign_task(const std::string& name, threelink_sim::ParameterMap& parameters, double dt,
+                 Assignment& assignment);
 
 }  // namespace threelink_tasks

@@ -1,11 +1,13 @@
 // Runs the task node; see task_player.hpp.
+#include "episode_server.hpp"
 #include "task_player.hpp"
 #include "threelink_sim/node/node_main.hpp"
+#include "threelink_tasks/plugins.hpp"
 
 namespace threelink_tasks {
 namespace {
 
-constexpr char kHelp[] = R"(task_node: a moving target for the swimmer, and the referee
+constexpr char kHelp[] = R"(task_node: where the swimmer should go, and whether it got there
 
 usage: rosrun threelink_tasks task_node [ROS remappings] | --help
 
@@ -16,27 +18,44 @@ publishes
   target        geometry_msgs/PointStamped      every step, latched; stamp of the state it answers
   episode       threelink_msgs/Episode          start and end of each episode, latched
   target_path   nav_msgs/Path                   for rviz
+  waypoints     visualization_msgs/MarkerArray  for rviz, latched
   /diagnostics  diagnostic_msgs/DiagnosticArray once a second of wall time
 subscribes to
   state         threelink_msgs/SwimmerState     from the simulator
   abort         threelink_msgs/EpisodeAbort     from the simulator: a peer is silent
   recording     threelink_msgs/Recording        from the recorder
+  /clicked_point  geometry_msgs/PointStamped    task clicked_point: from rviz, as is target_marker
 calls
   reset         threelink_msgs/Reset            of the simulator
-parameters (config/pursuit.yaml is their manual; defaults in brackets)
-  ~policy  ~v_ratio  ~seed [0]  ~episodes [1]  ~record [true]  ~start_timeout [30 s]
-  ~start_x [1 L]  ~start_y [0 L]  ~target_x [1.5 L]  ~target_y [0.5 L]  ~target_heading [pi/6 rad]
-  ~diffusivity [5.0e-5 L^2/T0]  ~max_steps [50000]  ~threshold [0.001 L]
-  ~capture_between_steps [false]  ~simulator [simulator]
+  load_policy   threelink_msgs/LoadPolicy       of the agent, for actions that bring a policy
+action, with ~episodes 0
+  run_episode   threelink_msgs/RunEpisode       plays an episode of any task
+parameters (defaults in brackets)
+  ~task    clicked_point, direction, path, point, pursuit, waypoints, or a plug-in's
+  ~policy  ~seed [0]  ~episodes [1]  ~record [true]  ~start_timeout [30 s]
+  ~simulator [simulator]  ~agent [agent]
+  and those of the task: docs/tasks.md, and config/pursuit.yaml, star.yaml, ...
 exit status
   0 every episode was captured or timed out; 1 one was aborted or could not start; 2 bad parameters
 )";
 
+int play_all(TaskPlayer& player, const TaskNodeConfig& config) {
+  const auto go_on = [](const threelink_msgs::Episode&) { return std::string(); };
+  bool all_well = true;
+  for (int i = 0; i < config.player.episodes && threelink_sim::running(); ++i) {
+    const auto played = player.play(config.assignment, go_on);
+    all_well &= played && played->episode.status != threelink_msgs::Episode::ABORTED;
+  }
+  return all_well && threelink_sim::running() ? threelink_sim::kSuccess : threelink_sim::kFailure;
+}
+
 int run() {
+  load_task_plugins();
   threelink_sim::Parameters parameters{ros::NodeHandle("~")};
-  const TaskConfig config = read_task_config(parameters);
-  Pursuit task(config.pursuit);
-  return TaskPlayer(config, task).run();
+  const TaskNodeConfig config = read_task_node_config(parameters);
+  TaskPlayer player(config.player);
+  if (config.player.episodes > 0) return play_all(player, config);
+  return EpisodeServer(player, config).run();
 }
 
 }  // namespace

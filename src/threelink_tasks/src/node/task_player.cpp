@@ -8,11 +8,14 @@
 #include <ros/callback_queue.h>
 #include <ros/console.h>
 #include <threelink_msgs/Reset.h>
+#include <visualization_msgs/MarkerArray.h>
 
+#include "point_input.hpp"
 #include "revision.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
 #include "threelink_tasks/episode.hpp"
+#include "waypoint_markers.hpp"
 
 namespace threelink_tasks {
 namespace {
@@ -34,19 +37,21 @@ double silence_limit(const threelink_sim::SimulatorConfig& simulator) {
 
 }  // namespace
 
-TaskPlayer::TaskPlayer(const TaskConfig& config, Task& task)
+TaskPlayer::TaskPlayer(const PlayerConfig& config)
     : config_(config),
-      task_(task),
       silence_limit_(silence_limit(config.simulator)),
       diagnostics_("task", "threelink_task",
                    [this](threelink_sim::Diagnostics::Status& status, double seconds) {
                      report(status, seconds);
                    }),
-      refused_states_(diagnostics_.refusals("state refused: out of order")) {
+      refused_states_(diagnostics_.refusals("state refused: out of order")),
+      refused_points_(diagnostics_.refusals("clicked point refused")) {
   constexpr bool kLatch = true;
   target_publisher_ = node_.advertise<geometry_msgs::PointStamped>(topics::kTarget, 10, kLatch);
   episode_publisher_ = node_.advertise<Episode>(topics::kEpisode, 10, kLatch);
   path_publisher_ = node_.advertise<nav_msgs::Path>(topics::kTargetPath, 2, kLatch);
+  waypoint_publisher_ =
+      node_.advertise<visualization_msgs::MarkerArray>(topics::kWaypoints, 2, kLatch);
   ros::NodeHandle lockstep_node;
   lockstep_node.setCallbackQueue(&direct_queue_);
   state_subscriber_ = lockstep_node.subscribe(topics::kState, 100, &TaskPlayer::on_state, this,
@@ -54,12 +59,6 @@ TaskPlayer::TaskPlayer(const TaskConfig& config, Task& task)
   abort_subscriber_ = node_.subscribe(topics::kAbort, 10, &TaskPlayer::on_abort, this);
   recording_subscriber_ = node_.subscribe(topics::kRecording, 10, &TaskPlayer::on_recording, this);
   target_.header.frame_id = threelink_sim::frames::kWorld;
-}
-
-int TaskPlayer::run() {
-  for (int i = 0; i < config_.episodes && threelink_sim::running(); ++i) play_episode();
-  const bool all_played = threelink_sim::running() && !any_aborted_;
-  return all_played ? threelink_sim::kSuccess : threelink_sim::kFailure;
 }
 
 bool TaskPlayer::wait_for(double seconds, const std::function<bool()>& condition) {
@@ -77,28 +76,53 @@ bool TaskPlayer::wait_for(double seconds, const std::function<bool()>& condition
   return true;
 }
 
-void TaskPlayer::play_episode() {
+std::optional<PlayedEpisode> TaskPlayer::play(const Assignment& assignment, const Watch& watch) {
   wait_until_ready();
-  if (!threelink_sim::running()) return;
+  if (!threelink_sim::running()) return {};
+  assignment_ = assignment;
   start_episode();
-  while (watch()) ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kPathPeriod));
+  std::unique_ptr<PointInput> points;
+  if (assignment_.task->takes_points()) {
+    const double metre = config_.simulator.scales.length;
+    const auto take_point = [this, metre](const Eigen::Vector2d& point) {
+      std::lock_guard<std::mutex> lock(mutex_);
+      assignment_.task->take_point(point / metre);
+    };
+    points = std::make_unique<PointInput>(node_, metre * first_centroid_, metre, take_point,
+                                          [this] { ++refused_points_; });
+  }
+  while (this->watch(watch))
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kPathPeriod));
   if (config_.record) wait_for(kRecordingTimeout, [this] { return recorded(); });
   std::printf("%s\n", line().c_str());
   std::fflush(stdout);
+  return PlayedEpisode{episode_, energy_, recorded() ? recording_ : std::nullopt};
 }
 
-bool TaskPlayer::watch() {
+bool TaskPlayer::watch(const Watch& watch) {
   std::lock_guard<std::mutex> lock(mutex_);
   const double silence = std::chrono::duration<double>(Clock::now() - heard_).count();
+  const std::string wanted = watch(episode_);
   if (playing_ && !threelink_sim::running()) {
     end_episode(Episode::ABORTED, "interrupted");
   } else if (playing_ && silence > silence_limit_) {
     end_episode(Episode::ABORTED, fmt::format("no state {} in {:.1f} s: the simulator is silent",
                                               next_step_, silence));
+  } else if (playing_ && !wanted.empty()) {
+    end_episode(Episode::ABORTED, wanted);
   }
-  any_aborted_ |= episode_.status == Episode::ABORTED;
-  path_publisher_.publish(target_path_.message());
+  show();
   return playing_;
+}
+
+// Callers hold the mutex.
+void TaskPlayer::show() {
+  path_publisher_.publish(target_path_.message());
+  if (shown_waypoint_ == episode_.waypoint) return;
+  shown_waypoint_ = episode_.waypoint;
+  waypoint_publisher_.publish(waypoint_markers(assignment_.task->waypoints(), episode_.waypoint,
+                                               config_.simulator.scales.length,
+                                               episode_.header.stamp));
 }
 
 void TaskPlayer::wait_until_ready() {
@@ -118,9 +142,10 @@ void TaskPlayer::wait_until_ready() {
 }
 
 void TaskPlayer::start_episode() {
-  const Start start = task_.start();
+  const Start start = assignment_.task->start();
   threelink_msgs::Reset reset;
-  reset.request.seed = config_.seed;
+  reset.request.seed = assignment_.seed;
+  reset.request.random_start = start.random;
   reset.request.x_1 = {start.x_1.x(), start.x_1.y()};
   reset.request.theta_1 = start.theta_1;
   reset.request.alpha.assign(start.alpha.data(), start.alpha.data() + start.alpha.size());
@@ -136,8 +161,10 @@ void TaskPlayer::start_episode() {
   std::lock_guard<std::mutex> lock(mutex_);
   const threelink_msgs::SwimmerState& state = reset.response.state;
   first_centroid_ = {state.centroid[0], state.centroid[1]};
-  task_.reset(config_.seed, state.episode);
+  assignment_.task->reset(assignment_.seed, state.episode);
   target_path_.clear();
+  shown_waypoint_.reset();
+  energy_ = 0;
   next_step_ = 0;
   playing_ = true;
 
@@ -145,14 +172,12 @@ void TaskPlayer::start_episode() {
   episode_.header = state.header;
   episode_.episode = state.episode;
   episode_.status = Episode::STARTED;
-  episode_.task = task_.name();
-  episode_.seed = config_.seed;
-  episode_.distance = (task_.target() - first_centroid_).norm();
-  episode_.config = config_.yaml();
-  episode_.policy_file = config_.policy_file;
-  episode_.policy_sha256 = config_.policy_sha256;
+  episode_.task = assignment_.name;
+  episode_.seed = assignment_.seed;
+  episode_.config = config_.yaml(assignment_);
+  episode_.policy_file = assignment_.policy.file;
+  episode_.policy_sha256 = assignment_.policy.sha256;
   episode_.revision = kRevision;
-  episode_publisher_.publish(episode_);
   answer(state);
 }
 
@@ -171,22 +196,25 @@ void TaskPlayer::answer(const threelink_msgs::SwimmerState& state) {
   heard_ = Clock::now();
   ++next_step_;
   ++steps_;
+  energy_ += state.work;
   const Eigen::Vector2d centroid(state.centroid[0], state.centroid[1]);
-  const Outcome outcome = task_.observe(centroid);
+  const Outcome outcome = assignment_.task->observe(centroid);
   const EpisodeMeasures measures = measure(state.step, config_.simulator.environment.dt,
-                                           first_centroid_, centroid, task_.target());
+                                           first_centroid_, centroid, assignment_.task->target());
   episode_.header.stamp = state.header.stamp;
   episode_.step = state.step;
+  episode_.waypoint = assignment_.task->waypoint();
   episode_.time = measures.time;
   episode_.distance = measures.distance;
   episode_.mean_speed = measures.mean_speed;
+  if (state.step == 0) episode_publisher_.publish(episode_);
   if (outcome == Outcome::kRunning) publish_target(state.header.stamp);
   if (outcome == Outcome::kCaptured) end_episode(Episode::CAPTURED);
   if (outcome == Outcome::kTimedOut) end_episode(Episode::TIMED_OUT);
 }
 
 void TaskPlayer::publish_target(const ros::Time& stamp) {
-  const Eigen::Vector2d metres = task_.target() * config_.simulator.scales.length;
+  const Eigen::Vector2d metres = assignment_.task->target() * config_.simulator.scales.length;
   target_.header.stamp = stamp;
   target_.point.x = metres.x();
   target_.point.y = metres.y();
@@ -217,8 +245,10 @@ bool TaskPlayer::recorded() const {
 }
 
 std::string TaskPlayer::line() const {
-  const std::string figures = fmt::format("t = {:.6g}, distance {:.3g}, mean speed {:.3g}",
-                                          episode_.time, episode_.distance, episode_.mean_speed);
+  std::string figures = fmt::format("t = {:.6g}, distance {:.3g}, mean speed {:.3g}", episode_.time,
+                                    episode_.distance, episode_.mean_speed);
+  const std::size_t waypoints = assignment_.task->waypoints().size();
+  if (waypoints > 1) figures += fmt::format(", {} of {} waypoints", episode_.waypoint, waypoints);
   std::string text = fmt::format("episode {}: ", episode_.episode);
   if (episode_.status == Episode::CAPTURED) {
     text += fmt::format("captured after {} steps ({})", episode_.step, figures);
@@ -245,6 +275,7 @@ void TaskPlayer::report(threelink_sim::Diagnostics::Status& status, double secon
   }
   status.add("episode", episode_.episode);
   status.add("step", episode_.step);
+  status.add("waypoint", episode_.waypoint);
   status.add("distance", episode_.distance);
   status.addf("steps per second", "%.1f", steps_ / seconds);
   steps_ = 0;

@@ -18,17 +18,27 @@
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
 #include "threelink_sim/node/thinned_path.hpp"
-#include "threelink_tasks/task.hpp"
 
 namespace threelink_tasks {
 
+struct PlayedEpisode {
+  threelink_msgs::Episode episode;  // as published last
+  double energy = 0;                // [C_perp L^3/T0] work done
+  // The recorder's last word on it; nothing if it had none or there is no recorder.
+  std::optional<threelink_msgs::Recording> recording;
+};
+
 class TaskPlayer {
  public:
-  TaskPlayer(const TaskConfig& config, Task& task);
+  explicit TaskPlayer(const PlayerConfig& config);
 
-  // Plays all episodes and prints a line for each. Returns the exit status: kSuccess if every one
-  // came to an outcome. Throws std::runtime_error if an episode could not start.
-  int run();
+  // Called some 20 times a second while an episode is played, with how it stands. Text that is not
+  // empty breaks it off, and is the reason.
+  using Watch = std::function<std::string(const threelink_msgs::Episode&)>;
+
+  // Plays one episode, prints a line for it and returns once it is recorded. Returns nothing if the
+  // node has to end before it starts. Throws std::runtime_error if it cannot start.
+  std::optional<PlayedEpisode> play(const Assignment& assignment, const Watch& watch);
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -39,32 +49,35 @@ class TaskPlayer {
 
   void wait_until_ready();
   void start_episode();
-  void play_episode();
-  // Ends the episode if the node has to end or the simulator is silent; false once it is over.
-  bool watch();
+  // Ends the episode if the node has to end, the simulator is silent or somebody wants it ended;
+  // false once it is over.
+  bool watch(const Watch& watch);
   void on_state(const threelink_msgs::SwimmerState& state);
   void on_abort(const threelink_msgs::EpisodeAbort& message);
   void on_recording(const threelink_msgs::Recording& message) { recording_ = message; }
   void answer(const threelink_msgs::SwimmerState& state);
   void publish_target(const ros::Time& stamp);
+  void show();
   void end_episode(std::uint8_t status, const std::string& reason = "");
   bool recorded() const;
   std::string line() const;
   void report(threelink_sim::Diagnostics::Status& status, double seconds);
 
-  TaskConfig config_;
-  Task& task_;
+  PlayerConfig config_;
   double silence_limit_;  // [s] wall time without a state that ends an episode
 
   ros::NodeHandle node_;
   threelink_sim::Diagnostics diagnostics_;
   threelink_sim::Diagnostics::Counter& refused_states_;
+  threelink_sim::Diagnostics::Counter& refused_points_;
 
   // States are answered in roscpp's network thread; all else happens in the main one. Guards what
   // both use: from here to target_path_.
   std::mutex mutex_;
+  Assignment assignment_;
   bool playing_ = false;
   threelink_msgs::Episode episode_;  // the one that is played or was played last
+  double energy_ = 0;                // [C_perp L^3/T0] of that one
   std::uint64_t next_step_ = 0;      // of the state that is awaited
   std::uint64_t steps_ = 0;          // since the last report
   Eigen::Vector2d first_centroid_;   // [L]
@@ -72,10 +85,10 @@ class TaskPlayer {
   geometry_msgs::PointStamped target_;
   threelink_sim::ThinnedPath target_path_;
 
-  bool any_aborted_ = false;
+  std::optional<std::uint32_t> shown_waypoint_;         // of this episode
   std::optional<threelink_msgs::Recording> recording_;  // the recorder's last word
   threelink_sim::DirectQueue direct_queue_;
-  ros::Publisher target_publisher_, episode_publisher_, path_publisher_;
+  ros::Publisher target_publisher_, episode_publisher_, path_publisher_, waypoint_publisher_;
   ros::ServiceClient reset_;
   ros::Subscriber state_subscriber_, abort_subscriber_, recording_subscriber_;
 };

@@ -1,0 +1,32 @@
+// Many episodes of a task at once, side by side in the batch simulation.
+//
+// Each has the bits of run_episode(), and so of the loop over topics.
+#pragma once
+
+#include <vector>
+
+#include "threelink_agent/policy.hpp"
+#include "threelink_tasks/episode.hpp"
+#include "threelink_tasks/task_factory.hpp"
+
+namespace threelink_tasks {
+
+struct TrialsConfig {
+  std::uint64_t seed = 0;
+  int trials = 100;      // episodes 1 .. trials, > 0
+  bool sampled = false;  // actions, else their mean
+  std::size_t lanes = 64;
+};
+
+struct Trial {
+  Outcome outcome = Outcome::kRunning;
+  EpisodeMeasures measures;
+  double path_length = 0;  // [L] from the start through all waypoints; 0 if there are none
+};
+
+// The trials in their order. `make` gives a task with its parameters taken. The swimmer and dt are
+// the policy's. Throws std::invalid_argument if a start does not fit.
+std::vector<Trial> run_trials(const TaskMaker& make, const threelink_agent::Policy& policy,
+                              const TrialsConfig& config);
+
+}  // namespace threelink_tasks

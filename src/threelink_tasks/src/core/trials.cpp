@@ -1,0 +1,136 @@
+#include "threelink_tasks/trials.hpp"
+
+#include <algorithm>
+
+#include "play.hpp"
+
+namespace threelink_tasks {
+namespace {
+
+using threelink_agent::ActionKey;
+using threelink_agent::Policy;
+using threelink_sim::Environment;
+using threelink_sim::EnvironmentConfig;
+
+double path_length(const Task& task, Eigen::Vector2d from) {
+  double length = 0;
+  for (const Eigen::Vector2d& point : task.waypoints()) {
+    length += (point - from).norm();
+    from = point;
+  }
+  return length;
+}
+
+class Trials {
+ public:
+  Trials(const TaskMaker& make, const Policy& policy, const TrialsConfig& config)
+      : policy_(policy),
+        config_(config),
+        trials_(config.trials),
+        lanes_(std::min<std::size_t>(config.lanes, config.trials)),
+        environment_(policy.metadata().environment(), lanes_.size()) {
+    require_fit(policy, environment_.config());
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      lanes_[i].task = make();
+      start_next(i);
+    }
+  }
+
+  std::vector<Trial> run() {
+    while (true) {
+      for (std::size_t i = 0; i < lanes_.size(); ++i)
+        while (lanes_[i].playing && !observe(i)) start_next(i);
+      const auto playing = std::count_if(lanes_.begin(), lanes_.end(),
+                                         [](const Lane& lane) { return lane.playing; });
+      if (playing == 0) return std::move(trials_);
+      if (2 * static_cast<std::size_t>(playing) <= lanes_.size()) compact(playing);
+      step();
+    }
+  }
+
+ private:
+  struct Lane {
+    std::unique_ptr<Task> task;
+    bool playing = false;
+    std::uint32_t episode = 0;
+    std::uint32_t step = 0;
+    Eigen::Vector2d first_centroid = {0.0, 0.0};  // [L]
+  };
+
+  void start_next(std::size_t i) {
+    Lane& lane = lanes_[i];
+    lane.playing = started_ < static_cast<std::uint32_t>(config_.trials);
+    if (!lane.playing) return;
+    lane.episode = ++started_;
+    lane.step = 0;
+    lane.task->reset(config_.seed, lane.episode);
+    environment_.reset(i, start_state(environment_.config().model, lane.task->start(), config_.seed,
+                                      lane.episode));
+    lane.first_centroid = centroid(environment_, i);
+  }
+
+  // False if the lane's episode is over.
+  bool observe(std::size_t i) {
+    Lane& lane = lanes_[i];
+    const Eigen::Vector2d here = centroid(environment_, i);
+    const Outcome outcome = lane.task->observe(here);
+    const Eigen::Vector2d target = lane.task->target();
+    if (outcome == Outcome::kRunning) {
+      aim(environment_, i, target);
+      return true;
+    }
+    trials_[lane.episode - 1] = {
+        outcome, measure(lane.step, environment_.config().dt, lane.first_centroid, here, target),
+        path_length(*lane.task, lane.first_centroid)};
+    return false;
+  }
+
+  // Those that play move together, into an environment of their number.
+  void compact(std::size_t playing) {
+    Environment smaller(environment_.config(), playing);
+    std::vector<Lane> rest;
+    for (std::size_t i = 0; i < lanes_.size(); ++i) {
+      if (!lanes_[i].playing) continue;
+      smaller.reset(rest.size(), environment_.batch().state(i));
+      smaller.set_direction(rest.size(), environment_.direction(i));
+      rest.push_back(std::move(lanes_[i]));
+    }
+    lanes_ = std::move(rest);
+    environment_ = std::move(smaller);
+  }
+
+  void step() {
+    const std::size_t n = lanes_.size();
+    observations_.resize(n * policy_.observation_size());
+    rates_.resize(n * policy_.hinges());
+    environment_.observe(observations_.data());
+    if (config_.sampled) {
+      keys_.clear();
+      for (const Lane& lane : lanes_) keys_.push_back({config_.seed, lane.episode, lane.step});
+      policy_.sample(n, observations_.data(), keys_.data(), rates_.data(), scratch_);
+    } else {
+      policy_.act(n, observations_.data(), rates_.data(), scratch_);
+    }
+    environment_.step(rates_.data());
+    for (Lane& lane : lanes_) ++lane.step;
+  }
+
+  const Policy& policy_;
+  TrialsConfig config_;
+  std::vector<Trial> trials_;
+  std::vector<Lane> lanes_;
+  Environment environment_;
+  std::uint32_t started_ = 0;  // episodes
+  std::vector<double> observations_, rates_;
+  std::vector<ActionKey> keys_;
+  std::vector<float> scratch_;
+};
+
+}  // namespace
+
+std::vector<Trial> run_trials(const TaskMaker& make, const Policy& policy,
+                              const TrialsConfig& config) {
+  return Trials(make, policy, config).run();
+}
+
+}  // namespace threelink_tasks

@@ -1,0 +1,113 @@
+#include "episode_server.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <ros/callback_queue.h>
+#include <ros/console.h>
+#include <threelink_msgs/LoadPolicy.h>
+
+#include "threelink_sim/node/node_main.hpp"
+#include "threelink_sim/node/topics.hpp"
+
+namespace threelink_tasks {
+
+namespace topics = threelink_sim::topics;
+using threelink_msgs::Episode;
+using threelink_msgs::RunEpisodeGoal;
+
+EpisodeServer::EpisodeServer(TaskPlayer& player, const TaskNodeConfig& config)
+    : player_(player),
+      config_(config),
+      agents_policy_(config.assignment.policy.sha256),
+      server_(ros::names::resolve(topics::kRunEpisode), false) {
+  server_.start();
+}
+
+int EpisodeServer::run() {
+  while (threelink_sim::running()) {
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
+    if (server_.isNewGoalAvailable()) play(*server_.acceptNewGoal());
+  }
+  return threelink_sim::kSuccess;
+}
+
+void EpisodeServer::play(const RunEpisodeGoal& goal) {
+  Result failed;
+  failed.outcome = Result::ABORTED;
+  try {
+    const Assignment wanted = assignment(goal);
+    load_policy(wanted.policy);
+    const auto played =
+        player_.play(wanted, [this](const Episode& episode) { return watch(episode); });
+    if (!played) throw std::runtime_error("interrupted");
+    const Result done = result(*played);
+    if (done.outcome != Result::ABORTED) {
+      server_.setSucceeded(done);
+    } else if (server_.isPreemptRequested()) {
+      server_.setPreempted(done, done.reason);
+    } else {
+      server_.setAborted(done, done.reason);
+    }
+  } catch (const std::exception& error) {
+    ROS_ERROR("%s", error.what());
+    failed.reason = error.what();
+    server_.setAborted(failed, failed.reason);
+  }
+}
+
+Assignment EpisodeServer::assignment(const RunEpisodeGoal& goal) const {
+  Assignment wanted = config_.assignment;
+  wanted.seed = goal.seed;
+  if (!goal.policy.empty()) wanted.policy = PolicyInfo::of(goal.policy);
+  try {
+    threelink_sim::ParameterMap parameters("parameters", YAML::Load(goal.parameters));
+    assign_task(goal.task, parameters, config_.player.simulator.environment.dt, wanted);
+  } catch (const YAML::Exception& error) {
+    throw std::runtime_error(fmt::format("parameters: no YAML: {}", error.what()));
+  }
+  return wanted;
+}
+
+void EpisodeServer::load_policy(const PolicyInfo& policy) {
+  if (policy.sha256 == agents_policy_) return;
+  threelink_msgs::LoadPolicy load;
+  load.request.file = policy.file;
+  if (!ros::service::call(ros::names::resolve(topics::kLoadPolicy), load))
+    throw std::runtime_error(fmt::format("policy {}: the agent's service {} does not answer",
+                                         policy.file, ros::names::resolve(topics::kLoadPolicy)));
+  agents_policy_ = load.response.sha256;
+  if (!load.response.success) throw std::runtime_error(load.response.status);
+}
+
+std::string EpisodeServer::watch(const Episode& episode) {
+  threelink_msgs::RunEpisodeFeedback feedback;
+  feedback.episode = episode.episode;
+  feedback.step = episode.step;
+  feedback.distance = episode.distance;
+  feedback.waypoint = episode.waypoint;
+  server_.publishFeedback(feedback);
+  return server_.isPreemptRequested() ? "cancelled" : "";
+}
+
+EpisodeServer::Result EpisodeServer::result(const PlayedEpisode& played) const {
+  const Episode& episode = played.episode;
+  Result result;
+  result.outcome = episode.status;
+  result.reason = episode.reason;
+  result.episode = episode.episode;
+  result.steps = episode.step;
+  result.time = episode.time;
+  result.distance = episode.distance;
+  result.waypoint = episode.waypoint;
+  result.energy = played.energy;
+  result.mean_speed = episode.mean_speed;
+  const double gamma = config_.player.simulator.environment.model.gamma;
+  if (played.energy > 0)
+    result.efficiency =
+        gamma * episode.mean_speed * episode.mean_speed * episode.time / played.energy;
+  if (played.recording) result.bag = played.recording->bag;
+  return result;
+}
+
+}  // namespace threelink_tasks

@@ -1,0 +1,164 @@
+// rosrun threelink_tasks trials: many episodes of a task in one process.
+#include "threelink_tasks/trials.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "threelink_agent/evaluate.hpp"
+#include "threelink_tasks/plugins.hpp"
+
+namespace {
+
+using namespace threelink_tasks;
+using threelink_agent::Policy;
+using threelink_sim::yaml_number;
+
+constexpr int kSuccess = 0, kFailure = 1, kMisuse = 2;
+constexpr double kBestSpeed = 0.0129154;  // [L/T0] optimum under |rate| <= 1, dt = 0.1
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // null in JSON
+
+struct Options {
+  std::string task, policy, waypoints, parameters = "{}";
+  double v_ratio = 0.5;
+  int max_steps = 0;
+  TrialsConfig trials;
+  bool mean = false;
+  bool json = false;
+};
+
+// "star" is the task "waypoints" with stars of every size and rotation.
+std::string task_name(const Options& options) {
+  return options.task == "star" ? "waypoints" : options.task;
+}
+
+// The task's parameters as the options give them.
+YAML::Node parameters(const Options& options) {
+  YAML::Node node = YAML::Load(options.parameters);
+  if (options.task == "pursuit") node["v_ratio"] = yaml_number(options.v_ratio);
+  if (options.task == "star" && options.waypoints.empty()) node["random_star"] = true;
+  if (!options.waypoints.empty()) node["points"] = options.waypoints;
+  if (options.max_steps > 0) node["max_steps"] = options.max_steps;
+  return node;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return kNaN;
+  const std::size_t half = values.size() / 2;
+  std::sort(values.begin(), values.end());
+  return values.size() % 2 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+struct Summary {
+  int completed = 0;
+  double steps, ratio, final_distance;  // medians: of the completed ones, but the last of all
+};
+
+Summary summarise(const std::vector<Trial>& trials, double dt) {
+  Summary summary;
+  std::vector<double> steps, ratios, distances;
+  for (const Trial& trial : trials) {
+    distances.push_back(trial.measures.distance);
+    if (trial.outcome != Outcome::kCaptured) continue;
+    ++summary.completed;
+    steps.push_back(static_cast<double>(trial.measures.steps));
+    if (trial.path_length > 0)
+      ratios.push_back(steps.back() / (trial.path_length / (kBestSpeed * dt)));
+  }
+  summary.steps = median(steps);
+  summary.ratio = median(ratios);
+  summary.final_distance = median(distances);
+  return summary;
+}
+
+void print(const Options& options, const Summary& summary) {
+  if (options.json) {
+    const nlohmann::json json = {{"completed", summary.completed},
+                                 {"trials", options.trials.trials},
+                                 {"median_steps", summary.steps},
+                                 {"median_ratio", summary.ratio},
+                                 {"final_distance_median", summary.final_distance}};
+    fmt::print("{}\n", json.dump());
+    return;
+  }
+  const auto or_dash = [](double value) {
+    return std::isnan(value) ? std::string("-") : fmt::format("{:.5g}", value);
+  };
+  fmt::print("completed {} of {}; medians: steps {}, ratio {}, final distance {}\n",
+             summary.completed, options.trials.trials, or_dash(summary.steps),
+             or_dash(summary.ratio), or_dash(summary.final_distance));
+}
+
+int run(const Options& options) {
+  load_task_plugins();
+  const Policy policy = Policy::load(options.policy);
+  const double dt = policy.metadata().dt;
+  const TaskContext context{dt, threelink_agent::evaluate(policy, 0, 0).speed};
+  const YAML::Node values = parameters(options);
+  const auto make = [&] {
+    threelink_sim::ParameterMap map("parameters", values);
+    std::unique_ptr<Task> task = make_task(task_name(options), map, context);
+    map.finish();
+    return task;
+  };
+  print(options, summarise(run_trials(make, policy, options.trials), dt));
+  return std::fflush(stdout) == 0 ? kSuccess : kFailure;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "Plays many episodes of a task in one process. Episode e of seed S is the same, to the bit,\n"
+      "as over topics. Medians are over the completed episodes, that of the final distance over\n"
+      "all; ratio = steps / (length of the way through the waypoints / (0.0129154 dt)).\n");
+  app.add_option("--task", options.task,
+                 "star (of any size and rotation), point (distance 0.001 to 0.5), pursuit, or\n"
+                 "another one of docs/tasks.md")
+      ->required();
+  app.add_option("--policy", options.policy, "policy file (.safetensors)")->required();
+  app.add_option("--trials", options.trials.trials, "1 to 1000000 (default 100)")
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--seed", options.trials.seed, "keys all randomness (default 0)");
+  app.add_option("--v-ratio", options.v_ratio,
+                 "pursuit: speed of the target / speed of the policy"
+                 " (default 0.5)")
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_option("--max-steps", options.max_steps, "time-out (default: that of the task)")
+      ->check(CLI::Range(1, std::numeric_limits<int>::max()));
+  auto* mean = app.add_flag("--mean", options.mean, "play the mean action (default)");
+  app.add_flag("--sampled", options.trials.sampled, "draw actions from the policy's distribution")
+      ->excludes(mean);
+  app.add_option("--waypoints", options.waypoints, "star: these points (CSV or YAML) instead");
+  app.add_option("--parameters", options.parameters,
+                 "further parameters of the task, YAML: '{threshold: 0.05}'");
+  app.add_flag("--json", options.json, "one line of JSON instead of text");
+  app.footer("Exit status: 0 played; 1 failed; 2 wrong arguments or file.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kSuccess : kMisuse;
+  }
+  const auto fail = [](int status, const std::string& reason) {
+    fmt::print(stderr, "trials: {}\n", reason);
+    return status;
+  };
+  try {
+    return run(options);
+  } catch (const threelink_agent::PolicyError& error) {
+    return fail(kMisuse, fmt::format("--policy {}", error.what()));
+  } catch (const threelink_sim::UsageError& error) {
+    return fail(kMisuse, error.what());
+  } catch (const YAML::Exception& error) {
+    return fail(kMisuse, fmt::format("--parameters {}: {}", options.parameters, error.what()));
+  } catch (const std::exception& error) {
+    return fail(kFailure, error.what());
+  }
+}

@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""The tool trials: its JSON, its agreement with single episodes, what it refuses."""
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+import roslib.packages
+import rospkg
+import rosunit
+
+POLICY = os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
+                      "config/policies/vfs.safetensors")
+PROGRAM = roslib.packages.find_node("threelink_tasks", "trials")[0]
+PLAY = roslib.packages.find_node("threelink_tests", "play_episode")[0]
+
+
+def trials(*arguments):
+    return subprocess.run([PROGRAM, *map(str, arguments)], stdout=subprocess.PIPE,
+                          stderr=subprocess.PIPE, universal_newlines=True, timeout=100)
+
+
+def results(task, *arguments):
+    done = trials("--task", task, "--policy", POLICY, "--json", *arguments)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def steps(task, parameters, seed, episode, how="mean"):
+    lines = subprocess.run([PLAY, POLICY, str(seed), str(episode), task, parameters, how],
+                           stdout=subprocess.PIPE, check=True, universal_newlines=True).stdout
+    return len(lines.splitlines()) - 1
+
+
+class TrialsToolTest(unittest.TestCase):
+    def test_pursuits_are_those_of_single_episodes(self):
+        for how in ("mean", "sampled"):
+            told = results("pursuit", "--trials", 3, "--seed", 3, "--v-ratio", 0, "--" + how)
+            single = sorted(steps("pursuit", "{v_ratio: 0}", 3, episode, how)
+                            for episode in (1, 2, 3))
+            self.assertEqual((told["completed"], told["trials"]), (3, 3))
+            self.assertEqual(told["median_steps"], single[1])
+            self.assertLess(told["final_distance_median"], 0.001)
+            self.assertIsNone(told["median_ratio"])
+
+    def test_stars_differ_and_their_ratio_is_that_of_their_way(self):
+        one = results("star", "--trials", 40, "--parameters", "{threshold: 0.05}")
+        self.assertEqual(one["completed"], 40)
+        self.assertTrue(0.95 < one["median_ratio"] < 1.2, one)
+        self.assertEqual(one, results("star", "--trials", 40, "--parameters", "{threshold: 0.05}"))
+        self.assertNotEqual(one, results("star", "--trials", 40, "--seed", 1, "--parameters",
+                                         "{threshold: 0.05}"))
+
+    def test_waypoints_of_a_file(self):
+        with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:
+            file.write("2.0,0.5\n2.5,0.5\n")
+            file.flush()
+            told = results("star", "--waypoints", file.name, "--trials", 1, "--parameters",
+                           "{threshold: 0.05}", "--max-steps", 3000)
+        self.assertEqual(told["completed"], 1)
+        way = (0.5 ** 2 + 0.5 ** 2) ** 0.5 + 0.5
+        self.assertAlmostEqual(told["median_ratio"], told["median_steps"] * 0.00129154 / way)
+
+    def test_what_is_not_completed_is_counted_and_has_no_median(self):
+        told = results("point", "--trials", 20, "--max-steps", 1, "--parameters",
+                       "{min_distance: 0.4}")
+        self.assertEqual((told["completed"], told["trials"]), (0, 20))
+        self.assertIsNone(told["median_steps"])
+        self.assertTrue(0.39 < told["final_distance_median"] < 0.51)
+
+    def test_wrong_arguments_are_refused(self):
+        good = ("--task", "star", "--policy", POLICY)
+        for arguments, message in (
+                (("--policy", POLICY), "--task"),
+                (("--task", "stars", "--policy", POLICY), 'there is no task "stars"'),
+                (("--task", "star", "--policy", "/no/policy"), "/no/policy"),
+                (good + ("--mean", "--sampled"), "--mean"),
+                (good + ("--trials", "0"), "--trials"),
+                (good + ("--waypoints", "/no/file.csv"), "/no/file.csv: cannot be read"),
+                (good + ("--parameters", "{treshold: 1}"), "nearest one is parameters/threshold"),
+                (good + ("--parameters", "{a: ["), "--parameters"),
+                (good + ("--nonsense",), "--nonsense")):
+            with self.subTest(arguments):
+                done = trials(*arguments)
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn(message, done.stderr + done.stdout)
+        self.assertEqual(trials("--help").returncode, 0)
+
+
+if __name__ == "__main__":
+    rosunit.unitrun("threelink_tests", "trials_tool", TrialsToolTest)
