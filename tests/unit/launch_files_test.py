@@ -30,7 +30,8 @@ class LaunchFilesTest(unittest.TestCase):
     def test_there_are_some(self):
         names = {os.path.basename(path) for path in FILES}
         self.assertLessEqual({"click.launch", "playback.launch", "pursuit.launch", "star.launch",
-                              "task.launch", "view.launch", "waypoints.launch"}, names)
+                              "task.launch", "train.launch", "view.launch", "waypoints.launch",
+                              "workers.launch"}, names)
 
     def test_every_file_loads_and_every_node_exists(self):
         for path in FILES:
@@ -96,6 +97,23 @@ class LaunchFilesTest(unittest.TestCase):
                 self.assertEqual(value["/threelink/task/policy"], value["/threelink/agent/policy"])
                 if "file" in own:
                     self.assertEqual(value["/threelink/task/points"], "/some/points.csv")
+
+    def test_arguments_of_train_reach_the_nodes(self):
+        path = os.path.join(FOLDER, "train.launch")
+        os.environ["PWD"] = "/called/here"
+        config = load(path, config="c.yaml", out="runs/a", seed="0", episodes="80", workers="3",
+                      threads="2", resume="true")
+        value = {name: parameter.value for name, parameter in config.params.items()
+                 if name.startswith("/threelink/learner/")}
+        self.assertEqual(value, {
+            "/threelink/learner/config": "/called/here/c.yaml", "/threelink/learner/seed": 0,
+            "/threelink/learner/out": "/called/here/runs/a", "/threelink/learner/episodes": 80,
+            "/threelink/learner/threads": 2, "/threelink/learner/resume": True})
+        self.assertEqual({node.name for node in config.nodes},
+                         {"learner", "worker_1", "worker_2", "worker_3"})
+        config = load(path, out="/b", workers="0")
+        self.assertEqual({node.name for node in config.nodes}, {"learner"})
+        self.assertNotIn("/threelink/learner/seed", config.params)  # it is the configuration's
 
     def test_a_task_may_bring_its_own_parameters(self):
         os.environ["PWD"] = os.path.dirname(os.path.realpath(__file__))

@@ -1,0 +1,63 @@
+// The worker node: plays leased episodes; docs/distributed.md has the protocol.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include <ros/node_handle.h>
+#include <ros/spinner.h>
+#include <ros/steady_timer.h>
+#include <threelink_msgs/Leases.h>
+#include <threelink_msgs/PolicyWeights.h>
+
+#include "threelink_agent/distributed/lease_player.hpp"
+#include "threelink_agent/distributed/worker_roster.hpp"
+#include "threelink_sim/node/diagnostics.hpp"
+
+namespace threelink_agent {
+
+// It holds one lease at most, and nothing that would be missed: it can be killed at any moment.
+class Worker {
+ public:
+  // step_cost [us] of sleep for each environment step, for tests of scaling.
+  Worker(int threads, double step_cost);
+  ~Worker();
+
+  // Plays until the node has to end.
+  int run();
+
+ private:
+  using Diagnostics = threelink_sim::Diagnostics;
+
+  void on_policy(const threelink_msgs::PolicyWeights& message);
+  void on_leases(const threelink_msgs::Leases& message);
+  void publish_status();
+  void report(Diagnostics::Status& status, double seconds);
+
+  // The next lease, once its policy is there; nothing if none came for a while.
+  std::optional<Assignment> next();
+  EpisodeBatch play(const Assignment& assignment);
+  void hand_in(EpisodeBatch&& batch);
+
+  LeasePlayer player_;
+  double step_cost_;
+
+  std::mutex mutex_;  // of all down to refused_
+  std::condition_variable changed_;
+  WorkerStatus status_;
+  std::string policy_bytes_, policy_;     // the newest, and its sha256
+  std::optional<Assignment> assignment_;  // not begun
+  std::string refused_;                   // why the learner gives no leases
+
+  ros::NodeHandle node_;
+  Diagnostics diagnostics_;
+  ros::Publisher status_publisher_, episodes_publisher_;
+  ros::Subscriber policy_subscriber_, leases_subscriber_;
+  ros::SteadyTimer status_timer_;
+  ros::AsyncSpinner spinner_;
+};
+
+}  // namespace threelink_agent

@@ -1,0 +1,604 @@
+// The learner's side of the protocol: what enters a rollout, and what does not.
+#include "threelink_agent/distributed/dispatcher.hpp"
+
+#include <limits>
+#include <map>
+#include <optional>
+#include <random>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "small_training.hpp"
+#include "threelink_agent/distributed/fingerprint.hpp"
+#include "threelink_agent/distributed/lease_player.hpp"
+#include "threelink_agent/distributed/remote_rollouts.hpp"
+#include "threelink_agent/sha256.hpp"
+
+namespace {
+
+using namespace threelink_agent;
+using namespace std::chrono_literals;
+using Time = Dispatcher::Time;
+
+constexpr std::uint64_t kSession = 77;
+constexpr int kEpisodes = 12;
+
+DispatcherSettings settings() {
+  DispatcherSettings settings;
+  settings.roster.session = kSession;
+  settings.roster.fingerprint = "abc";
+  settings.lease_time = 10s;
+  return settings;
+}
+
+WorkerStatus status_of(std::uint64_t instance, const std::string& name) {
+  WorkerStatus status;
+  status.name = name;
+  status.instance = instance;
+  status.protocol = kProtocol;
+  status.fingerprint = "abc";
+  return status;
+}
+WorkerStatus status_of(std::uint64_t instance) {
+  return status_of(instance, "worker_" + std::to_string(instance));
+}
+
+// A learner with one update to fill, at a time that only the test moves.
+class DispatcherTest : public testing::Test {
+ protected:
+  DispatcherTest() {
+    TrainConfig config = threelink_tests::small();
+    config.environment.steps = 5;
+    config.hidden = {4};
+    config.update.minibatch = 30;
+    open(config, 3);
+  }
+
+  // The update after `version` of them.
+  void open(const TrainConfig& config, std::uint32_t version) {
+    config_ = config;
+    const Trainer trainer = threelink_tests::trainer_of(config);
+    const Policy policy = trainer.policy();
+    player_.load(policy.serialize(), "test");
+    update_ = {version, sha256(policy.serialize()), version * kEpisodes, kEpisodes};
+    const Play play{config.environment, config.symmetry.canonical, policy.actor(), policy.log_std(),
+                    config.seed,        update_.first_episode};
+    expected_ = LocalRollouts(1).play(play, kEpisodes);
+    dispatcher_.open(update_, Rollout(config.environment, kEpisodes));
+  }
+
+  void join(std::uint64_t instance) {
+    dispatcher_.connect(status_of(instance).name);
+    dispatcher_.hear(status_of(instance), now_);
+  }
+  std::vector<Lease> leases() { return dispatcher_.tick(now_).leases; }
+  Lease only_lease() {
+    const std::vector<Lease> given = leases();
+    EXPECT_EQ(given.size(), 1u);
+    return given.empty() ? Lease{} : given[0];
+  }
+  EpisodeBatch play(const Lease& lease) {
+    return player_.play({kSession, update_.version, update_.policy, lease.id, lease.worker,
+                         update_.first_episode + lease.first,
+                         static_cast<std::uint32_t>(lease.count)});
+  }
+  Verdict deliver(const EpisodeBatch& batch) { return dispatcher_.deliver(batch, now_); }
+  const WorkerRoster::Worker& worker(std::uint64_t instance) {
+    return dispatcher_.roster().workers().at(status_of(instance).name);
+  }
+  void expect_the_rollout() {
+    ASSERT_TRUE(dispatcher_.complete());
+    const Rollout rollout = dispatcher_.take();
+    EXPECT_EQ(rollout.observations, expected_->observations);
+    EXPECT_EQ(rollout.actions, expected_->actions);
+    EXPECT_EQ(rollout.log_probs, expected_->log_probs);
+    EXPECT_EQ(rollout.rewards, expected_->rewards);
+  }
+
+  Time now_{};
+  TrainConfig config_;
+  LeasePlayer player_{1};
+  Update update_{};
+  std::optional<Rollout> expected_;
+  Dispatcher dispatcher_{settings()};
+};
+
+TEST_F(DispatcherTest, OneWorkerPlaysTheRollout) {
+  join(1);
+  const Lease lease = only_lease();
+  EXPECT_EQ(lease.first, 0);
+  EXPECT_EQ(lease.count, kEpisodes);
+  EXPECT_TRUE(leases().empty());  // no more than it holds
+  EXPECT_EQ(deliver(play(lease)), Verdict::kAccepted);
+  EXPECT_EQ(worker(1).episodes, 12u);
+  expect_the_rollout();
+}
+
+TEST_F(DispatcherTest, AWorkerNeedsAConnectionAndAVoice) {
+  dispatcher_.hear(status_of(1), now_);
+  EXPECT_TRUE(leases().empty());
+  dispatcher_.connect("worker_2");
+  EXPECT_TRUE(leases().empty());
+  dispatcher_.connect("worker_1");
+  EXPECT_EQ(only_lease().worker, 1u);
+}
+
+TEST_F(DispatcherTest, WorkIsDividedBySpeed) {
+  join(1), join(2);
+  std::vector<Lease> given = leases();
+  ASSERT_EQ(given.size(), 2u);
+  EXPECT_EQ(given[0].count, 6);
+  EXPECT_EQ(given[1].count, 6);
+  now_ += 1s;
+  deliver(play(given[0]));
+  now_ += 1s;
+  deliver(play(given[1]));  // half as fast
+  expect_the_rollout();
+  open(config_, 4);
+  given = leases();
+  ASSERT_EQ(given.size(), 2u);
+  EXPECT_EQ(given[0].count, 8);
+  EXPECT_EQ(given[1].count, 4);
+}
+
+// One that comes back alone leaves the others their part.
+TEST_F(DispatcherTest, WhatIsOpenIsSharedWithThoseThatAreBusy) {
+  join(1), join(2), join(3);
+  std::vector<Lease> given = leases();
+  ASSERT_EQ(given.size(), 3u);
+  dispatcher_.disconnect("worker_3");
+  EpisodeBatch bad = play(given[0]);
+  bad.checksum = "";
+  deliver(bad);
+  const Lease half = only_lease();
+  EXPECT_EQ(half.worker, 1u);
+  EXPECT_EQ(half.count, 4);
+  deliver(play(half));
+  EXPECT_EQ(only_lease().count, 2);
+}
+
+TEST_F(DispatcherTest, LeasesAreBounded) {
+  DispatcherSettings small = settings();
+  small.lease_episodes = 5;
+  dispatcher_ = Dispatcher(small);
+  dispatcher_.open(update_, Rollout(config_.environment, kEpisodes));
+  join(1);
+  for (int count : {5, 5, 2}) {
+    const Lease lease = only_lease();
+    EXPECT_EQ(lease.count, count);
+    EXPECT_EQ(deliver(play(lease)), Verdict::kAccepted);
+  }
+  expect_the_rollout();
+}
+
+TEST_F(DispatcherTest, AnExpiredLeaseIsGivenAgainAndCountsOnce) {
+  join(1);
+  const Lease lost = only_lease();
+  now_ += 2s, join(2), now_ += 2s;
+  dispatcher_.hear(status_of(1), now_), dispatcher_.hear(status_of(2), now_);
+  EXPECT_TRUE(leases().empty());
+  for (int i = 0; i < 3; ++i) {  // worker 1 goes on to say that it holds the lease
+    now_ += 2s;
+    WorkerStatus busy = status_of(1);
+    busy.session = kSession, busy.lease = lost.id;
+    dispatcher_.hear(busy, now_), dispatcher_.hear(status_of(2), now_);
+  }
+  const Lease again = only_lease();  // and gets no other
+  EXPECT_EQ(again.worker, 2u);
+  EXPECT_EQ(again.count, kEpisodes);
+  EXPECT_EQ(dispatcher_.leases_lost(), 1u);
+  EXPECT_EQ(worker(1).leases_lost, 1u);
+  EXPECT_EQ(deliver(play(again)), Verdict::kAccepted);
+  EXPECT_EQ(deliver(play(lost)), Verdict::kDouble);
+  EXPECT_EQ(worker(1).episodes, 0u);
+  expect_the_rollout();
+}
+
+// Otherwise a worker that needs longer than a lease lasts would work for ever, for nothing.
+TEST_F(DispatcherTest, ALostLeaseThatComesAfterAllIsTaken) {
+  join(1);
+  const Lease lost = only_lease();
+  now_ += 11s;
+  join(2);
+  const Lease again = only_lease();
+  EXPECT_EQ(deliver(play(lost)), Verdict::kAccepted);
+  EXPECT_TRUE(dispatcher_.complete());
+  EXPECT_EQ(deliver(play(again)), Verdict::kDouble);
+  expect_the_rollout();
+}
+
+TEST_F(DispatcherTest, ADeliveryCountsOnce) {
+  join(1);
+  join(2);
+  const std::vector<Lease> given = leases();
+  EXPECT_EQ(deliver(play(given[0])), Verdict::kAccepted);
+  EXPECT_EQ(deliver(play(given[0])), Verdict::kDouble);
+  EXPECT_EQ(dispatcher_.episodes_in(), 6);
+  EXPECT_EQ(deliver(play(given[1])), Verdict::kAccepted);
+  EXPECT_EQ(dispatcher_.batches(Verdict::kAccepted), 2u);
+  EXPECT_EQ(dispatcher_.batches(Verdict::kDouble), 1u);
+  expect_the_rollout();
+  EXPECT_EQ(deliver(play(given[1])), Verdict::kLate);
+  open(config_, 4);
+  EXPECT_EQ(deliver([&] {
+              EpisodeBatch late = play(given[1]);
+              late.version = 3;
+              return late;
+            }()),
+            Verdict::kLate);
+  EXPECT_EQ(dispatcher_.batches(Verdict::kLate), 2u);
+}
+
+TEST_F(DispatcherTest, WhatDisconnectsOrFallsSilentLosesItsLease) {
+  join(1);
+  only_lease();
+  dispatcher_.disconnect("worker_1");
+  EXPECT_EQ(dispatcher_.roster().alive(), 0);
+  join(2);
+  EXPECT_EQ(only_lease().worker, 2u);
+  now_ += 2s;
+  dispatcher_.hear(status_of(2), now_);
+  now_ += 3s;
+  EXPECT_TRUE(leases().empty());
+  EXPECT_EQ(dispatcher_.roster().alive(), 1);
+  join(3);
+  now_ += 1ms;
+  EXPECT_EQ(only_lease().worker, 3u);
+  EXPECT_EQ(worker(2).leases_lost, 1u);
+}
+
+TEST_F(DispatcherTest, ARespawnedWorkerTakesThePlaceOfTheOldOne) {
+  join(1);
+  const Lease lost = only_lease();
+  dispatcher_.hear(status_of(9, "worker_1"), now_);  // before the old connection is seen to break
+  const Lease again = only_lease();
+  EXPECT_EQ(again.worker, 9u);
+  EXPECT_EQ(worker(1).instances, 2u);
+  EXPECT_EQ(worker(1).leases_lost, 1u);
+  EXPECT_EQ(deliver(play(lost)), Verdict::kAccepted);  // it was under way
+  expect_the_rollout();
+}
+
+TEST_F(DispatcherTest, AWorkerThatStartsOverAndOverIsGivenUp) {
+  dispatcher_.connect("worker_1");
+  for (std::uint64_t instance = 1; instance <= 6; ++instance) {
+    EXPECT_EQ(dispatcher_.roster().alive(), instance > 1);
+    dispatcher_.hear(status_of(instance, "worker_1"), now_);
+    now_ += 1s;
+  }
+  EXPECT_EQ(dispatcher_.roster().alive(), 0);
+  EXPECT_EQ(worker(1).refused, "given up: it started anew 5 times within 60 s");
+  const Dispatcher::Sending sending = dispatcher_.tick(now_);
+  EXPECT_TRUE(sending.leases.empty());
+  ASSERT_EQ(sending.refusals.size(), 1u);
+  EXPECT_EQ(sending.refusals[0].worker, 6u);
+  dispatcher_.hear(status_of(7, "worker_1"), now_);
+  EXPECT_TRUE(leases().empty());
+  join(2);
+  EXPECT_EQ(only_lease().worker, 2u);
+}
+
+TEST_F(DispatcherTest, RestartsThatAreFarApartAreForgiven) {
+  dispatcher_.connect("worker_1");
+  for (std::uint64_t instance = 1; instance <= 20; ++instance, now_ += 16s)
+    dispatcher_.hear(status_of(instance, "worker_1"), now_);
+  EXPECT_EQ(dispatcher_.roster().workers().at("worker_1").refused, "");
+}
+
+TEST_F(DispatcherTest, AWorkerWithOtherBitsIsRefusedWithTheReason) {
+  dispatcher_.connect("worker_1");
+  WorkerStatus status = status_of(1);
+  status.fingerprint = "abd";
+  status.instructions = "baseline";
+  dispatcher_.hear(status, now_);
+  Dispatcher::Sending sending = dispatcher_.tick(now_);
+  EXPECT_TRUE(sending.leases.empty());
+  ASSERT_EQ(sending.refusals.size(), 1u);
+  EXPECT_EQ(sending.refusals[0].reason,
+            "it computes other bits (baseline kernels; fingerprint abd, the learner's abc): it "
+            "lacks fused multiply-adds, or is another build");
+  status = status_of(1);
+  status.protocol = kProtocol + 1;
+  dispatcher_.hear(status, now_);
+  sending = dispatcher_.tick(now_);
+  EXPECT_TRUE(sending.leases.empty());
+  EXPECT_EQ(sending.refusals.at(0).reason, "it speaks version 2 of the protocol, the learner 1");
+}
+
+// Everything that may be wrong with a batch, and what it is called.
+TEST_F(DispatcherTest, PoisonIsRefusedCountedAndGivenAgain) {
+  const auto sealed = [](EpisodeBatch batch) {
+    batch.checksum = checksum(batch);
+    return batch;
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  using Spoil = std::function<void(EpisodeBatch&)>;
+  const std::vector<std::pair<Verdict, Spoil>> cases = {
+      {Verdict::kWrongPolicy, [](EpisodeBatch& b) { ++b.version; }},
+      {Verdict::kWrongPolicy, [](EpisodeBatch& b) { b.policy[5] ^= 1; }},
+      {Verdict::kNotLeased, [](EpisodeBatch& b) { b.lease += 1000; }},
+      {Verdict::kNotLeased, [](EpisodeBatch& b) { b.lease = 0; }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { ++b.first_episode; }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.episodes = 0; }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.steps = 0; }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.steps = 0xffffffff; }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.hinges = 3; }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.observation_size = 5; }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.observations.pop_back(); }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.actions.push_back(0); }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.log_probs.clear(); }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.rewards.resize(1); }},
+      {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.observations.back() = nan; }},
+      {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.actions[3] = infinity; }},
+      {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.log_probs[0] = -infinity; }},
+      {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.rewards[7] = nan; }},
+  };
+  std::uint64_t instance = 1;
+  std::map<Verdict, std::uint64_t> counts;
+  const auto expect_refused = [&](Verdict verdict, const EpisodeBatch& batch) {
+    EXPECT_EQ(deliver(batch), verdict);
+    EXPECT_EQ(dispatcher_.batches(verdict), ++counts[verdict]);
+    EXPECT_EQ(worker(instance).batches_refused, 1u);
+    EXPECT_EQ(dispatcher_.episodes_in(), 0);
+    dispatcher_.disconnect(status_of(instance++).name);
+    EXPECT_EQ(dispatcher_.leases_lost(), 0u);  // it had been given back
+  };
+  for (const auto& [verdict, spoil] : cases) {
+    join(instance);
+    EpisodeBatch batch = play(only_lease());
+    spoil(batch);
+    expect_refused(verdict, sealed(batch));
+  }
+  join(instance);
+  EpisodeBatch flipped = play(only_lease());
+  flipped.rewards[3] = -flipped.rewards[3];
+  expect_refused(Verdict::kBadChecksum, flipped);
+  join(instance);
+  EpisodeBatch unsealed = play(only_lease());
+  unsealed.checksum.clear();
+  expect_refused(Verdict::kBadChecksum, unsealed);
+
+  join(instance);
+  const Lease lease = only_lease();
+  EXPECT_EQ(lease.count, kEpisodes);
+  EXPECT_EQ(deliver(play(lease)), Verdict::kAccepted);
+  expect_the_rollout();
+}
+
+TEST_F(DispatcherTest, AWorkerWithOneBadBatchAfterTheOtherIsGivenUp) {
+  join(1);
+  for (int i = 0; i < 3; ++i) {
+    EpisodeBatch batch = play(only_lease());
+    batch.checksum = "";
+    EXPECT_EQ(deliver(batch), Verdict::kBadChecksum);
+  }
+  EXPECT_TRUE(leases().empty());
+  EXPECT_EQ(worker(1).refused,
+            "given up: it handed in 3 bad batches in a row, the last one bad checksum");
+}
+
+TEST_F(DispatcherTest, WhatAnotherLearnerLeasedIsLateAndItsWorkerBusy) {
+  dispatcher_.connect("worker_1");
+  WorkerStatus busy = status_of(1);
+  busy.session = kSession - 1, busy.lease = 5;
+  dispatcher_.hear(busy, now_);
+  EXPECT_TRUE(leases().empty());
+  EpisodeBatch batch = play({5, 1, 0, kEpisodes});
+  batch.session = kSession - 1;
+  EXPECT_EQ(deliver(batch), Verdict::kLate);
+  EXPECT_EQ(worker(1).batches_refused, 0u);
+  EXPECT_EQ(only_lease().count, kEpisodes);
+}
+
+// A worker, and what is between it and the learner, at the mercy of a random number generator.
+struct Chaos {
+  std::uint64_t instance = 0;
+  bool up = false;
+  std::optional<Lease> holds;
+  std::optional<EpisodeBatch> old;  // to be delivered again some time
+};
+
+TEST_F(DispatcherTest, WhateverHappensTheRolloutIsThatOfOneProcess) {
+  constexpr int kSchedules = 3000;
+  std::uint64_t happened[kVerdicts] = {}, lost = 0;
+  for (int schedule = 0; schedule < kSchedules; ++schedule) {
+    SCOPED_TRACE(schedule);
+    std::mt19937 random(schedule);
+    const auto below = [&](int n) { return static_cast<int>(random() % n); };
+    DispatcherSettings patient = settings();
+    patient.roster.most_restarts = patient.roster.most_bad_batches = 1 << 30;
+    patient.lease_episodes = 1 + below(kEpisodes);
+    dispatcher_ = Dispatcher(patient);
+    dispatcher_.open(update_, Rollout(config_.environment, kEpisodes));
+    std::vector<Chaos> workers(1 + below(5));
+    std::uint64_t next_instance = 1;
+    for (int events = 0; !dispatcher_.complete(); ++events) {
+      ASSERT_LT(events, 20000);
+      const int index = below(static_cast<int>(workers.size()));
+      Chaos& chaos = workers[index];
+      const std::string name = "worker_" + std::to_string(index);
+      now_ += std::chrono::milliseconds(below(800));
+      const auto say = [&] {
+        WorkerStatus status = status_of(chaos.instance, name);
+        status.session = kSession;
+        status.lease = chaos.holds ? chaos.holds->id : 0;
+        dispatcher_.hear(status, now_);
+      };
+      if (!chaos.up) {
+        chaos = {next_instance++, true, {}, std::move(chaos.old)};
+        dispatcher_.connect(name);
+        say();
+      }
+      switch (below(10)) {
+        case 0:  // killed
+          dispatcher_.disconnect(name);
+          chaos.up = false;
+          break;
+        case 1:
+          if (chaos.old) deliver(*chaos.old);
+          break;
+        case 2:  // a message is lost
+          chaos.holds.reset();
+          break;
+        case 3:
+          if (chaos.holds) {
+            EpisodeBatch bad = play(*chaos.holds);
+            bad.rewards[below(static_cast<int>(bad.rewards.size()))] += 1;
+            deliver(bad);
+            chaos.holds.reset();
+          }
+          break;
+        case 4:
+        case 5:
+        case 6:
+          say();
+          break;
+        default:
+          if (chaos.holds) {
+            chaos.old = play(*chaos.holds);
+            deliver(*chaos.old);
+            chaos.holds.reset();
+          }
+      }
+      for (const Lease& lease : dispatcher_.tick(now_).leases)
+        for (Chaos& worker : workers)
+          if (worker.instance == lease.worker) {
+            ASSERT_FALSE(worker.up && worker.holds) << "leased twice";
+            worker.holds = lease;
+          }
+    }
+    expect_the_rollout();
+    for (int i = 0; i < kVerdicts; ++i) happened[i] += dispatcher_.batches(Verdict(i));
+    lost += dispatcher_.leases_lost();
+  }
+  EXPECT_GT(happened[int(Verdict::kAccepted)], 3000u);
+  EXPECT_GT(happened[int(Verdict::kDouble)], 300u);
+  EXPECT_GT(happened[int(Verdict::kBadChecksum)], 300u);
+  EXPECT_GT(lost, 300u);
+}
+
+TEST(FingerprintTest, IsTheSameEachTime) {
+  EXPECT_EQ(fingerprint().size(), 64u);
+  EXPECT_EQ(fingerprint(), fingerprint());
+}
+
+TEST(EpisodeBatchTest, TheChecksumCoversEveryField) {
+  EpisodeBatch batch;
+  batch.policy = "p";
+  batch.observations = batch.actions = batch.log_probs = batch.rewards = {1, 2};
+  std::set<std::string> sums{checksum(batch)};
+  const auto changed = [&](auto change) {
+    EpisodeBatch other = batch;
+    change(other);
+    EXPECT_TRUE(sums.insert(checksum(other)).second);
+  };
+  changed([](EpisodeBatch& b) { b.session = 1; });
+  changed([](EpisodeBatch& b) { b.version = 1; });
+  changed([](EpisodeBatch& b) { b.policy = "q"; });
+  changed([](EpisodeBatch& b) { b.lease = 1; });
+  changed([](EpisodeBatch& b) { b.worker = 1; });
+  changed([](EpisodeBatch& b) { b.first_episode = 1; });
+  changed([](EpisodeBatch& b) { b.episodes = 1; });
+  changed([](EpisodeBatch& b) { b.steps = 1; });
+  changed([](EpisodeBatch& b) { b.observation_size = 1; });
+  changed([](EpisodeBatch& b) { b.hinges = 1; });
+  changed([](EpisodeBatch& b) { b.observations[1] = 3; });
+  changed([](EpisodeBatch& b) { b.actions[1] = 3; });
+  changed([](EpisodeBatch& b) { b.log_probs[1] = 3; });
+  changed([](EpisodeBatch& b) { b.rewards[1] = 3; });
+}
+
+// Workers in threads of their own, over a wire that is a function call.
+class Threads : public RemoteRollouts::Wire {
+ public:
+  void send_policy(std::uint64_t, const std::string& bytes) override { policy_ = bytes; }
+  void send(std::uint64_t session, const Update& update,
+            const Dispatcher::Sending& sending) override {
+    for (const Lease& lease : sending.leases)
+      workers_.emplace_back([this, session, update, lease, policy = policy_] {
+        LeasePlayer player(1);
+        player.load(policy, "test");
+        const EpisodeBatch batch = player.play({session, update.version, update.policy, lease.id,
+                                                lease.worker, update.first_episode + lease.first,
+                                                static_cast<std::uint32_t>(lease.count)});
+        rollouts_->with([&](Dispatcher& dispatcher, Time now) { dispatcher.deliver(batch, now); });
+      });
+  }
+  void serve(RemoteRollouts& rollouts) { rollouts_ = &rollouts; }
+  void join() {
+    for (std::thread& worker : workers_) worker.join();
+  }
+
+ private:
+  RemoteRollouts* rollouts_ = nullptr;
+  std::string policy_;
+  std::vector<std::thread> workers_;
+};
+
+RemoteRollouts::Settings remote_settings() {
+  RemoteRollouts::Settings remote;
+  remote.dispatcher = settings();
+  remote.dispatcher.roster.silence = 1h;
+  remote.worker_timeout = 50ms;
+  return remote;
+}
+
+TEST(RemoteRolloutsTest, ATrainingEndsWithThePolicyOfOneProcess) {
+  const TrainConfig config = threelink_tests::small(5);
+  Threads threads;
+  auto source =
+      std::make_unique<RemoteRollouts>(config, remote_settings(), threads, [] { return true; });
+  RemoteRollouts& rollouts = *source;
+  threads.serve(rollouts);
+  for (int i = 1; i <= 3; ++i)
+    rollouts.with([&](Dispatcher& dispatcher, Time now) {
+      dispatcher.connect(status_of(i).name);
+      dispatcher.hear(status_of(i), now);
+    });
+  Trainer trainer(config, make_ppo_update(Backend::kFused, config, 1), std::move(source));
+  while (!trainer.finished()) trainer.update();
+  threads.join();
+  EXPECT_EQ(trainer.policy().sha256(), threelink_tests::sha256_of_training(config));
+}
+
+TEST(RemoteRolloutsTest, WithoutWorkersItSaysWhoWasRefused) {
+  const TrainConfig config = threelink_tests::small();
+  Threads threads;
+  auto source =
+      std::make_unique<RemoteRollouts>(config, remote_settings(), threads, [] { return true; });
+  threads.serve(*source);
+  source->with([&](Dispatcher& dispatcher, Time now) {
+    WorkerStatus status = status_of(1);
+    status.protocol = 9;
+    dispatcher.connect(status.name);
+    dispatcher.hear(status, now);
+  });
+  Trainer trainer(config, make_ppo_update(Backend::kFused, config, 1), std::move(source));
+  try {
+    trainer.update();
+    FAIL();
+  } catch (const NoRollout& error) {
+    EXPECT_EQ(error.what(),
+              std::string("no worker for 0.05 s; refused worker_1: it speaks version 9 of the "
+                          "protocol, the learner 1"));
+  }
+  EXPECT_EQ(trainer.state().update, 0u);
+}
+
+TEST(RemoteRolloutsTest, CanBeInterrupted) {
+  const TrainConfig config = threelink_tests::small();
+  Threads threads;
+  int asked = 0;
+  auto source = std::make_unique<RemoteRollouts>(config, remote_settings(), threads,
+                                                 [&] { return ++asked < 2; });
+  Trainer trainer(config, make_ppo_update(Backend::kFused, config, 1), std::move(source));
+  EXPECT_THROW(trainer.update(), Interrupted);
+  EXPECT_EQ(trainer.state().update, 0u);
+}
+
+}  // namespace
