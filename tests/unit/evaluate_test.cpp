@@ -88,6 +88,7 @@ TEST(Evaluate, MeasuresAStrokeThatNeverSteers) {
       evaluation.speed,
       (evaluation.starts[0].speed + evaluation.starts[1].speed + evaluation.starts[2].speed) / 3);
   EXPECT_TRUE(std::isnan(evaluation.success_rate));
+  EXPECT_TRUE(std::isnan(evaluation.theta_s));
 }
 
 TEST(Evaluate, AStuckPolicyHasNoSpeedAndNoSuccess) {

@@ -153,6 +153,20 @@ LearnerState after_updates(PpoUpdate& ppo, const TrainConfig& config, int first,
   return ppo.state();
 }
 
+TEST(FusedUpdate, StatisticsAreThoseOfLibTorchForMinibatchesOfAllSizes) {
+  const TrainConfig config = several_steps();
+  const Rollout rollout = random_rollout(config, 0);
+  const Advantages advantages = random_advantages(rollout, 0);
+  FusedUpdate fused(config, 1);
+  const UpdateStatistics actual = fused.run(rollout, advantages, 0, {1e-3, 1e-3});
+  const UpdateStatistics expected =
+      make_ppo_update(Backend::kLibtorch, config, 1)->run(rollout, advantages, 0, {1e-3, 1e-3});
+  EXPECT_NEAR(actual.policy_loss, expected.policy_loss, 1e-5);
+  EXPECT_NEAR(actual.value_loss, expected.value_loss, 1e-5);
+  EXPECT_NEAR(actual.kl, expected.kl, 1e-5);
+  EXPECT_NEAR(actual.clip_fraction, expected.clip_fraction, 1e-6);
+}
+
 TEST(FusedUpdate, ThreadsDoNotChangeTheResult) {
   const TrainConfig config = several_steps();
   FusedUpdate one(config, 1);

@@ -32,6 +32,8 @@ TEST(ShippedPolicies, VfsSwimsAtTheOptimalSpeedFromEveryStart) {
       EXPECT_TRUE(start.success) << start.theta_2;
     }
     EXPECT_EQ(evaluation.success_rate, 1);
+    EXPECT_GT(evaluation.theta_s, 0);
+    EXPECT_LT(evaluation.theta_s, 0.5 * threelink_sim::kPi / 180);
   }
 }
 

@@ -15,12 +15,6 @@ namespace {
 namespace topics = threelink_sim::topics;
 using diagnostic_msgs::DiagnosticStatus;
 
-// The training may run on simulation time, or none: its stamps are wall time.
-ros::Time wall_time() {
-  const ros::WallTime now = ros::WallTime::now();
-  return {now.sec, now.nsec};
-}
-
 std::string line_of(const WorkerRoster::Worker& worker, bool alive, Dispatcher::Time now) {
   std::string line = fmt::format(
       "{}, {} on {}, {} threads, {} episodes, heard {:.1f} s ago, {} leases lost, {} batches "

@@ -65,4 +65,9 @@ threelink_msgs::EpisodeBatch to_message(EpisodeBatch&& batch) {
   return message;
 }
 
+ros::Time wall_time() {
+  const ros::WallTime now = ros::WallTime::now();
+  return {now.sec, now.nsec};
+}
+
 }  // namespace threelink_agent

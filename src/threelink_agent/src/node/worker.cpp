@@ -26,11 +26,6 @@ namespace topics = threelink_sim::topics;
 using diagnostic_msgs::DiagnosticStatus;
 using namespace std::chrono_literals;
 
-ros::Time wall_time() {
-  const ros::WallTime now = ros::WallTime::now();
-  return {now.sec, now.nsec};
-}
-
 std::string host_name() {
   char name[256] = {};
   gethostname(name, sizeof(name) - 1);

@@ -113,8 +113,7 @@ std::optional<double> train_speed(Backend backend, int threads, double seconds) 
 
 std::string blas_name() {
 #if defined(THREELINK_LIBTORCH)
-  const Blas blas = blas_in_use();
-  return blas.kernels.empty() ? blas.library : blas.library + " (" + blas.kernels + ")";
+  return blas_in_use().name();
 #else
   return "none";
 #endif

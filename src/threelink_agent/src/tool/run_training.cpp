@@ -46,7 +46,7 @@ void print_machine(Backend backend) {
 #if defined(THREELINK_LIBTORCH)
   if (backend != Backend::kLibtorch) return;
   const Blas blas = blas_in_use();
-  fmt::print("BLAS: {}{}\n", blas.library, blas.kernels.empty() ? "" : " (" + blas.kernels + ")");
+  fmt::print("BLAS: {}\n", blas.name());
   if (blas.slow)
     fmt::print(
         "warning: this is the reference BLAS; `apt install libopenblas0-pthread` makes this\n"

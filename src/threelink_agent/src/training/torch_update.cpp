@@ -148,7 +148,6 @@ void TorchUpdate::train_actor(const Batch& batch, std::uint32_t update,
                               UpdateStatistics& statistics) {
   const double epsilon = config_.update.clip;
   double loss_sum = 0;
-  std::int64_t minibatches = 0;
   for_each_minibatch(batch.size(), update, [&](std::uint32_t epoch, const Tensor& chosen) {
     const Tensor advantages = batch.advantages.index_select(0, chosen);
     const Tensor mean = actor_.forward(batch.observations.index_select(0, chosen));
@@ -156,8 +155,7 @@ void TorchUpdate::train_actor(const Batch& batch, std::uint32_t update,
         log_probability(batch.actions.index_select(0, chosen), mean, log_std_) -
         batch.log_probs.index_select(0, chosen);
     Tensor loss = clipped_policy_loss(log_ratio, advantages, epsilon);
-    loss_sum += loss.item<double>();
-    ++minibatches;
+    loss_sum += loss.item<double>() * chosen.size(0);
     if (config_.update.entropy_weight > 0)
       loss = loss - config_.update.entropy_weight * entropy(log_std_);
     actor_adam_.descend(loss);
@@ -168,21 +166,19 @@ void TorchUpdate::train_actor(const Batch& batch, std::uint32_t update,
       statistics.clip_fraction += share * clip_fraction(detached, epsilon).item<double>();
     }
   });
-  statistics.policy_loss = loss_sum / minibatches;
+  statistics.policy_loss = loss_sum / (batch.size() * config_.update.epochs);
 }
 
 void TorchUpdate::train_critic(const Batch& batch, std::uint32_t update,
                                UpdateStatistics& statistics) {
   double loss_sum = 0;
-  std::int64_t minibatches = 0;
   for_each_minibatch(batch.size(), update, [&](std::uint32_t, const Tensor& chosen) {
     const Tensor values = critic_.forward(batch.observations.index_select(0, chosen)).squeeze(1);
     const Tensor loss = value_loss(values, batch.returns.index_select(0, chosen));
-    loss_sum += loss.item<double>();
-    ++minibatches;
+    loss_sum += loss.item<double>() * chosen.size(0);
     critic_adam_.descend(loss);
   });
-  statistics.value_loss = loss_sum / minibatches;
+  statistics.value_loss = loss_sum / (batch.size() * config_.update.epochs);
 }
 
 template <class Visit>

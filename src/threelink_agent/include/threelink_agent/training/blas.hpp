@@ -10,6 +10,8 @@ struct Blas {
   std::string
       kernels;  // instruction set or processor that it was built for; empty if it does not say
   bool slow;    // the reference implementation, about six times slower than OpenBLAS
+
+  std::string name() const { return kernels.empty() ? library : library + " (" + kernels + ")"; }
 };
 
 // The BLAS that this process has loaded, found among its shared objects.

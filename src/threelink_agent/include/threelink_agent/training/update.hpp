@@ -9,7 +9,7 @@ struct LearningRates {
 };
 
 struct UpdateStatistics {
-  double policy_loss;    // mean over the update's minibatches
+  double policy_loss;    // mean over the samples of all epochs
   double value_loss;     // likewise
   double kl;             // mean estimate of KL(old || new) in the last epoch
   double clip_fraction;  // of the samples of the last epoch whose ratio was outside 1 +- epsilon
