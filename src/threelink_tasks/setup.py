@@ -1,0 +1,6 @@
+from setuptools import setup
+from catkin_pkg.python_setup import generate_distutils_setup
+setup(**generate_distutils_setup(
+    packages=["threelink_report"],
+    package_dir={"": "python"},
+    package_data={"threelink_report": ["assets/*"]}))
