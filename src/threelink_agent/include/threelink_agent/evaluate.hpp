@@ -50,6 +50,17 @@ struct Evaluation {
 
 enum class RandomStarts { kBent, kStraight };
 
+// What happened to one swimmer; index k is after k steps.
+struct Track {
+  std::vector<double> x, y;              // [L] centroid
+  std::vector<double> heading;           // [rad] angle of the heading link, theta_2 of three
+  std::vector<double> alpha_1, alpha_2;  // [rad] the first two hinges
+  std::vector<double> work;              // [C_perp L^3/T0] since the start
+};
+
+// Those of Evaluation::starts, each from x_c = (0, 0).
+std::vector<Track> straight_tracks(const Policy& policy);
+
 // Random starts are those of threelink_sim::random_start(model, seed, trial), with that shape or
 // straight. trials >= 0.
 // Deterministic: the same on every machine with fused multiply-adds.

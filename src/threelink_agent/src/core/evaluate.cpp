@@ -18,12 +18,16 @@ constexpr int kHalf = kSmoothing / 2;
 // Swimmers at a time: enough to fill the lanes, few enough to keep the paths in memory.
 constexpr std::size_t kLanes = 64;
 
-// What is recorded of one swimmer; index k is after k steps.
-struct Track {
-  std::vector<double> x, y;              // [L] centroid
-  std::vector<double> alpha_1, alpha_2;  // [rad]
-  std::vector<double> work;              // [C_perp L^3/T0] in all
-};
+std::vector<SwimmerState> straight_starts(const threelink_sim::Model& model) {
+  std::vector<SwimmerState> starts;
+  for (double heading : {0.0, threelink_sim::kPi / 3, threelink_sim::kPi / 2}) {
+    SwimmerState straight;
+    straight.heading = heading;
+    straight.alpha = threelink_sim::HingeVector::Zero(model.hinges());
+    starts.push_back(straight);
+  }
+  return starts;
+}
 
 std::vector<Track> play(const Policy& policy, const std::vector<SwimmerState>& starts) {
   const std::size_t n = starts.size();
@@ -36,6 +40,7 @@ std::vector<Track> play(const Policy& policy, const std::vector<SwimmerState>& s
     for (std::size_t i = 0; i < n; ++i) {
       tracks[i].x.push_back(batch.x()[i]);
       tracks[i].y.push_back(batch.y()[i]);
+      tracks[i].heading.push_back(batch.heading()[i]);
       tracks[i].alpha_1.push_back(batch.alpha(0)[i]);
       tracks[i].alpha_2.push_back(policy.hinges() > 1 ? batch.alpha(1)[i] : 0);
       tracks[i].work.push_back(work[i]);
@@ -153,17 +158,15 @@ std::vector<StartResult> measure_all(const Policy& policy,
 
 }  // namespace
 
+std::vector<Track> straight_tracks(const Policy& policy) {
+  return play(policy, straight_starts(policy.metadata().environment().model));
+}
+
 Evaluation evaluate(const Policy& policy, int trials, std::uint64_t seed,
                     RandomStarts random_starts) {
   const threelink_sim::Model model = policy.metadata().environment().model;
-  std::vector<SwimmerState> starts;
-  for (double heading : {0.0, threelink_sim::kPi / 3, threelink_sim::kPi / 2}) {
-    SwimmerState straight;
-    straight.heading = heading;
-    straight.alpha = threelink_sim::HingeVector::Zero(model.hinges());
-    starts.push_back(straight);
-  }
-  const std::size_t straight_starts = starts.size();
+  std::vector<SwimmerState> starts = straight_starts(model);
+  const std::size_t straight = starts.size();
   for (int trial = 0; trial < trials; ++trial) {
     starts.push_back(random_start(model, seed, static_cast<std::uint32_t>(trial)));
     if (random_starts == RandomStarts::kStraight) starts.back().alpha.setZero();
@@ -171,14 +174,14 @@ Evaluation evaluate(const Policy& policy, int trials, std::uint64_t seed,
 
   const std::vector<StartResult> results = measure_all(policy, starts);
   Evaluation evaluation{};
-  evaluation.starts.assign(results.begin(), results.begin() + straight_starts);
+  evaluation.starts.assign(results.begin(), results.begin() + straight);
   for (const StartResult& result : evaluation.starts) {
-    evaluation.speed += result.speed / straight_starts;
-    evaluation.efficiency += result.efficiency / straight_starts;
+    evaluation.speed += result.speed / straight;
+    evaluation.efficiency += result.efficiency / straight;
   }
   int successes = 0;
   double deviation = 0;
-  for (auto result = results.begin() + straight_starts; result != results.end(); ++result) {
+  for (auto result = results.begin() + straight; result != results.end(); ++result) {
     if (!result->success) continue;
     ++successes;
     deviation += std::abs(result->theta_s);

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -56,10 +59,25 @@ void print_table(const Policy& policy, const Evaluation& evaluation) {
                or_dash(degrees(evaluation.theta_s), 3, "deg"));
 }
 
+void write_tracks(const Policy& policy, const std::string& path) {
+  std::ofstream out(path);
+  out << "start,t,xc,yc,theta_2,alpha_1,alpha_2,work\n";
+  const std::vector<Track> tracks = straight_tracks(policy);
+  for (std::size_t start = 0; start < tracks.size(); ++start) {
+    const Track& track = tracks[start];
+    for (std::size_t k = 0; k < track.x.size(); ++k)
+      out << fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", start,
+                         k * policy.metadata().dt, track.x[k], track.y[k], track.heading[k],
+                         track.alpha_1[k], track.alpha_2[k], track.work[k]);
+  }
+  out.close();
+  if (!out) throw std::runtime_error(fmt::format("--trajectory {}: cannot be written", path));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string path;
+  std::string path, trajectory;
   int trials = 100;
   std::uint64_t seed = 0;
   bool straight = false, json = false;
@@ -73,6 +91,10 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 1000000));
   app.add_option("--seed", seed, "of the random starts (default 0)");
   app.add_flag("--straight", straight, "random starts are straight; only the heading is random");
+  app.add_option("--trajectory", trajectory,
+                 "CSV to write of the three straight starts, a row a state:\n"
+                 "start,t,xc,yc,theta_2,alpha_1,alpha_2,work (start 0 to 2; xc, yc from 0;\n"
+                 "work since the start)");
   app.add_flag("--json", json, "one line of JSON instead of a table");
   app.footer(
       "Units: speed in L/T0, efficiency gamma v^2 / Phi, steps of the policy's dt.\n"
@@ -86,6 +108,7 @@ int main(int argc, char** argv) {
     const Policy policy = Policy::load(path);
     const Evaluation evaluation =
         evaluate(policy, trials, seed, straight ? RandomStarts::kStraight : RandomStarts::kBent);
+    if (!trajectory.empty()) write_tracks(policy, trajectory);
     json ? print_json(evaluation) : print_table(policy, evaluation);
     return std::fflush(stdout) == 0 ? 0 : kFailure;
   } catch (const PolicyError& error) {
