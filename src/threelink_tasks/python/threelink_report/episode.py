@@ -1,0 +1,166 @@
+"""A recorded episode as arrays: the one place that reads the recorder's bags.
+
+Lengths in L (the swimmer's length), times in T0, energies in C_perp L^3 / T0, as in the paper.
+"""
+import os
+
+import numpy as np
+import rosbag
+import yaml
+
+SMOOTHING = 71  # positions in one mean, about a stroke
+TRANSLATION = 2.5  # [degrees] |theta_s| up to which the swimmer is in translation, beyond it steers
+OUTCOMES = {0: "not ended", 1: "captured", 2: "not captured (time-out)", 3: "aborted"}
+CAPTURED = 1
+WANTED = ("state", "target", "episode", "waypoints")
+MOST_WAYPOINTS = 200  # more different targets than these are one that moves
+
+
+class EpisodeError(ValueError):
+    """A file that holds no episode; the text says why, for people."""
+
+
+class Episode:
+    """What a bag says of its episode; each array has a row for each state.
+
+    times (n,), steps (n,); centroids, x_1, targets (n, 2); theta (n, N); alpha, rates (n, N - 1);
+    power, work (n,): of the step that led to the state. targets[i] is what the task answered to
+    state i; the last state has no answer, and keeps the one before. waypoints (k, 2): the fixed
+    points of the task, none if its target moves.
+    """
+
+    def __init__(self, name, messages):
+        if not messages["episode"] or not messages["state"]:
+            raise EpisodeError("it holds no episode")
+        self.name = name
+        self.end = messages["episode"][-1]  # threelink_msgs/Episode: the last word on the episode
+        self.config = read_config(self.end.config)
+        simulator = self.config["simulator"]
+        self.dt, self.gamma, self.links = (simulator[key] for key in ("dt", "gamma", "links"))
+        states = messages["state"]
+        column = lambda field: np.array([getattr(state, field) for state in states])
+        self.steps = column("step").astype(int)
+        self.times = self.dt * self.steps
+        self.centroids, self.x_1 = column("centroid"), column("x_1")
+        self.theta, self.alpha, self.rates = column("theta"), column("alpha"), column("hinge_rates")
+        self.power, self.work = column("power"), column("work")
+        metre = simulator["length_scale"]
+        self.targets = answers(states, messages["target"]) / metre
+        self.waypoints = fixed_points(messages["waypoints"], metre, self.targets)
+
+    @property
+    def captured(self):
+        return self.end.status == CAPTURED
+
+    @property
+    def outcome(self):
+        reason = f" ({self.end.reason})" if self.end.reason else ""
+        return f"{OUTCOMES.get(self.end.status, 'not ended')}{reason} after {self.steps[-1]} steps"
+
+    @property
+    def energy(self):
+        return self.work.sum()
+
+    def ends(self, index):
+        """(N + 1, 2) ends of the links in a state."""
+        links = np.column_stack([np.cos(self.theta[index]), np.sin(self.theta[index])]) / self.links
+        return np.vstack([self.x_1[index], self.x_1[index] + np.cumsum(links, axis=0)])
+
+    def title(self):
+        """One line: which episode it is."""
+        return f"{self.end.task}, seed {self.end.seed}, episode {self.end.episode}"
+
+    def facts(self):
+        """[(what, text)] for a table, the most important first."""
+        end = self.end
+        facts = [
+            ("task", end.task),
+            ("seed, episode", f"{end.seed}, {end.episode}"),
+            ("outcome", self.outcome),
+            ("time", f"{self.times[-1]:.6g} T0"),
+            ("distance to the target at the end", f"{end.distance:.3g} L"),
+            ("net displacement / time", f"{end.mean_speed:.4g} L/T0"),
+            ("energy", f"{self.energy:.4g} C⊥ L³/T0"),
+            ("swimmer", f"{self.links} links, γ = {self.gamma:g}, Δt = {self.dt:g} T0"),
+            ("policy", os.path.basename(end.policy_file) or "unknown"),
+            ("sha256 of the policy", end.policy_sha256 or "unknown"),
+            ("software", end.revision or "unknown"),
+            ("bag", self.name + ".bag"),
+        ]
+        if len(self.waypoints):
+            facts.insert(3, ("waypoints reached", f"{end.waypoint} of {len(self.waypoints)}"))
+        return facts
+
+
+class Motion:
+    """The smoothed way: each value is a mean over SMOOTHING positions around its time.
+
+    Row j belongs to state j + SMOOTHING // 2; there are none of less than SMOOTHING + 1 states.
+    """
+
+    def __init__(self, episode):
+        if len(episode.times) <= SMOOTHING:
+            self.times = self.speed = self.power = self.efficiency = self.theta_s = np.empty(0)
+            self.way, self.steering = np.empty((0, 2)), np.empty(0, bool)
+            return
+        mean = lambda values: np.convolve(values, np.full(SMOOTHING, 1 / SMOOTHING), "valid")
+        self.way = np.column_stack([mean(column) for column in episode.centroids.T])
+        velocity = np.diff(self.way, axis=0) / episode.dt
+        middle = slice(SMOOTHING // 2, SMOOTHING // 2 + len(velocity))
+        self.times = episode.times[middle]
+        self.speed = np.linalg.norm(velocity, axis=1)
+        # Row k + 1 is the work from the smoothed position k to the next.
+        self.power = mean(episode.work[1:]) / episode.dt
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self.efficiency = episode.gamma * self.speed ** 2 / self.power
+        to_target = episode.targets[middle] - self.way[:-1]
+        angles = [np.arctan2(v[:, 1], v[:, 0]) for v in (velocity, to_target)]
+        # In [-180, 180) degrees.
+        self.theta_s = (np.degrees(angles[0] - angles[1]) + 180) % 360 - 180
+        self.steering = np.abs(self.theta_s) > TRANSLATION
+
+
+def read_episode(path):
+    """The episode of a bag. Raises EpisodeError for a file that is none or holds none."""
+    messages = {name: [] for name in WANTED}
+    try:
+        with rosbag.Bag(path) as bag:
+            topics = [topic for topic in bag.get_type_and_topic_info().topics
+                      if topic.rpartition("/")[2] in WANTED]
+            if topics:  # rosbag takes none for all
+                for topic, message, _ in bag.read_messages(topics):
+                    messages[topic.rpartition("/")[2]].append(message)
+        return Episode(os.path.splitext(os.path.basename(path))[0], messages)
+    except rosbag.ROSBagUnindexedException:
+        raise EpisodeError(f"{path}: it is cut off, or was not closed; "
+                           "`rosbag reindex` may mend it") from None
+    except (EpisodeError, rosbag.ROSBagException) as error:
+        raise EpisodeError(f"{path}: {error}") from None
+
+
+def read_config(text):
+    try:
+        config = yaml.safe_load(text)
+        config["simulator"]["length_scale"], config["task"]  # what is relied on
+        return config
+    except (yaml.YAMLError, KeyError, TypeError):
+        raise EpisodeError("its episode does not say of what configuration it is") from None
+
+
+def answers(states, targets):
+    """(n, 2) [m] the target that answers each state: that of its stamp, or else the one before."""
+    points = {target.header.stamp: (target.point.x, target.point.y) for target in targets}
+    rows, row = [], (np.nan, np.nan)
+    for state in states:
+        row = points.get(state.header.stamp, row)
+        rows.append(row)
+    return np.array(rows)
+
+
+def fixed_points(waypoints, metre, targets):
+    """(k, 2) [L] as rviz is shown them; without that, the different targets, if they are few."""
+    if waypoints:
+        places = [m.pose.position for m in waypoints[0].markers if m.ns == "waypoints"]
+        return np.array([(place.x, place.y) for place in places]).reshape(-1, 2) / metre
+    points = np.unique(targets[~np.isnan(targets[:, 0])], axis=0)
+    return points if len(points) <= MOST_WAYPOINTS else np.empty((0, 2))
