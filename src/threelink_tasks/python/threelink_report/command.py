@@ -1,7 +1,7 @@
 """What the commands of this package have in common."""
 import argparse
-import signal
 import sys
+import time
 
 
 def parser(name, description):
@@ -12,9 +12,10 @@ def parser(name, description):
 
 def run(name, main):
     """The exit status of main(): 0, or 2 after a line that says what is wrong with a file."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # end quietly, also with the node that started it
     try:
         main()
+    except KeyboardInterrupt:  # end quietly, also with the node that started it
+        return 130
     except OSError as error:
         complaint = f"{error.filename}: {error.strerror}" if error.filename else error
     except ValueError as error:
@@ -23,3 +24,22 @@ def run(name, main):
         return 0
     print(f"{name}: {complaint}", file=sys.stderr)
     return 2
+
+
+class Progress:
+    """A bar with the time left, on a terminal; elsewhere nothing."""
+
+    WIDTH = 40
+
+    def __init__(self):
+        self.shown = sys.stderr.isatty()
+        self.start = time.monotonic()
+
+    def __call__(self, share):
+        if not self.shown:
+            return
+        full = int(self.WIDTH * share)
+        left = (time.monotonic() - self.start) * (1 - share) / share
+        end = "\n" if share == 1 else ""
+        print(f"\r[{'#' * full}{'.' * (self.WIDTH - full)}] {100 * share:3.0f} %, {left:.0f} s left ",
+              end=end, file=sys.stderr, flush=True)

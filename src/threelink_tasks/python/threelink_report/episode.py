@@ -23,10 +23,10 @@ class EpisodeError(ValueError):
 class Episode:
     """What a bag says of its episode; each array has a row for each state.
 
-    times (n,), steps (n,); centroids, x_1, targets (n, 2); theta (n, N); alpha, rates (n, N - 1);
-    power, work (n,): of the step that led to the state. targets[i] is what the task answered to
-    state i; the last state has no answer, and keeps the one before. waypoints (k, 2): the fixed
-    points of the task, none if its target moves.
+    steps, times (n,); centroids, x_1 (n, 2); theta (n, N); alpha, rates (n, N - 1); power, work (n,)
+    and rates are those of the step that led to the state. targets (n, 2): what the task answered to
+    the state; the last one has no answer, and keeps the one before. distances (n,): centroid to
+    target. waypoints (k, 2): the fixed points of the task, none if its target moves.
     """
 
     def __init__(self, name, messages):
@@ -46,6 +46,9 @@ class Episode:
         self.power, self.work = column("power"), column("work")
         metre = simulator["length_scale"]
         self.targets = answers(states, messages["target"]) / metre
+        self.distances = np.linalg.norm(self.targets - self.centroids, axis=1)
+        if self.end.step == self.steps[-1]:
+            self.distances[-1] = self.end.distance
         self.waypoints = fixed_points(messages["waypoints"], metre, self.targets)
 
     @property
@@ -60,6 +63,13 @@ class Episode:
     @property
     def energy(self):
         return self.work.sum()
+
+    def waypoints_reached(self, index):
+        """How many waypoints were reached by a state: each time another one is the target."""
+        if not len(self.waypoints):
+            return 0
+        changes = (np.diff(self.targets[:index + 1], axis=0) != 0).any(axis=1).sum()
+        return changes + (self.captured and index == len(self.steps) - 1)
 
     def ends(self, index):
         """(N + 1, 2) ends of the links in a state."""

@@ -51,7 +51,7 @@ def numbers(episode):
         "steps": episode.steps, "centroid": episode.centroids, "target": episode.targets,
         "heading": episode.theta[:, episode.links // 2], "alpha": episode.alpha,
         "speed": motion.speed, "power": motion.power, "efficiency": motion.efficiency,
-        "theta_s": motion.theta_s,
+        "theta_s": motion.theta_s, "distance": episode.distances,
     }
     return {
         "dt": episode.dt, "links": episode.links, "captured": episode.captured,

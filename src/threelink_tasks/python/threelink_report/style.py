@@ -9,6 +9,8 @@ import matplotlib
 matplotlib.use("Agg")  # no window, also where there is a display
 import matplotlib.pyplot as plt
 
+from threelink_report.files import replacing
+
 SWIMMER, TARGET, BODY, STEERING = "#0072B2", "#D55E00", "#AAAAAA", "#E4E4E4"
 # (colour, dash) of curves that are compared, from dark to light in grey.
 CURVES = (("#000000", "-"), ("#0072B2", (0, (5, 1.5))), ("#D55E00", (0, (1.5, 1.5))),
@@ -22,12 +24,6 @@ def use_style():
 
 
 def save(figure, path):
-    """Half a picture is none: what a full disk cuts off is removed."""
-    try:
-        figure.savefig(path)
-    except OSError:
-        if os.path.exists(path):
-            os.remove(path)
-        raise
-    finally:
-        plt.close(figure)
+    with replacing(path) as part:
+        figure.savefig(part, format=os.path.splitext(path)[1][1:] or "png")
+    plt.close(figure)

@@ -12,8 +12,6 @@ class Episode {
     for (const [name, text] of Object.entries(data.arrays))
       this[name] = new Float32Array(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)).buffer);
     this.last = this.steps.length - 1;
-    this.distance = this.steps.map((_, i) => Math.hypot(
-      this.target[2 * i] - this.centroid[2 * i], this.target[2 * i + 1] - this.centroid[2 * i + 1]));
     this.changes = [];  // states in which the next waypoint is on
     if (this.waypoints.length > 1)
       for (let i = 1; i <= this.last; ++i)
