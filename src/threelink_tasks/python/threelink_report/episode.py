@@ -13,7 +13,7 @@ TRANSLATION = 2.5  # [degrees] |theta_s| up to which the swimmer is in translati
 OUTCOMES = {0: "not ended", 1: "captured", 2: "not captured (time-out)", 3: "aborted"}
 CAPTURED = 1
 WANTED = ("state", "target", "episode", "waypoints")
-MOST_WAYPOINTS = 200  # more different targets than these are one that moves
+DWELL = 10  # states that a target holds for on average, or else it moves
 
 
 class EpisodeError(ValueError):
@@ -168,9 +168,11 @@ def answers(states, targets):
 
 
 def fixed_points(waypoints, metre, targets):
-    """(k, 2) [L] as rviz is shown them; without that, the different targets, if they are few."""
+    """(k, 2) [L] as rviz is shown them; without that, the different targets, unless these move."""
     if waypoints:
         places = [m.pose.position for m in waypoints[0].markers if m.ns == "waypoints"]
         return np.array([(place.x, place.y) for place in places]).reshape(-1, 2) / metre
-    points = np.unique(targets[~np.isnan(targets[:, 0])], axis=0)
-    return points if len(points) <= MOST_WAYPOINTS else np.empty((0, 2))
+    points, first = np.unique(targets[~np.isnan(targets[:, 0])], axis=0, return_index=True)
+    if len(points) > max(1, len(targets) / DWELL):
+        return np.empty((0, 2))
+    return points[np.argsort(first)]
