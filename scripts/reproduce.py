@@ -18,7 +18,7 @@ from threelink_report.reproduction.stage import StageError, write_atomically
 ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
 CONFIG = os.path.join(ROOT, "config")
 LAUNCHER = ("/usr/bin/python3", os.path.join(ROOT, "scripts", "launch.py"))
-DONE, FAILED, MISUSE = 0, 1, 2
+DONE, FAILED = 0, 1
 
 
 def parse(arguments):
@@ -41,6 +41,10 @@ def parse(arguments):
         parser.error(f"--jobs {options.jobs}: must be in 1 .. 64")
     options.out = os.path.abspath(options.out or os.path.join(
         ROOT, "runs", "reproduction" + ("_quick" if options.quick else "")))
+    try:
+        os.makedirs(options.out, exist_ok=True)
+    except OSError as error:
+        parser.error(f"--out {options.out}: {error.strerror}")
     return options
 
 
@@ -85,8 +89,8 @@ def main(arguments):
         print("reproduce: the same command goes on from here", file=sys.stderr)
         return FAILED
     except OSError as error:
-        print(f"reproduce: --out: {error.filename}: {error.strerror}", file=sys.stderr)
-        return MISUSE
+        print(f"reproduce: {error.filename or options.out}: {error.strerror}", file=sys.stderr)
+        return FAILED
     except Interrupted as end:
         print(f"reproduce: ended by {end}; the same command goes on from here", file=sys.stderr)
         return 128 + end.number

@@ -97,13 +97,18 @@ def navigator(config):
     return "homing" if os.path.exists(f"{config}/train_homing.yaml") else "vfs"
 
 
+def measured(config):
+    """The strategies, and what plays the tasks."""
+    return list(dict.fromkeys([*PENALTIES, navigator(config)]))
+
+
 def seeds(scale):
     """Of the policies that are measured."""
     return range(scale.seeds if scale.mode == "full" else 1)
 
 
 def policies(scale, config):
-    names = list(dict.fromkeys([*PENALTIES, navigator(config)]))
+    names = measured(config)
     if scale.mode == "quick":
         return [Stage(f"shipped_{name}", f"shipped policy {name}",
                       ("cp", f"{config}/policies/{name}.safetensors", OUT + "/policy"),
@@ -115,7 +120,8 @@ def policies(scale, config):
         if name in PENALTIES:
             plan.append(configuration(name, base, {"environment.c": f"{PENALTIES[name]:.1f}"}))
             base = f"configs/{name}.yaml"
-        plan += [training(name, base, seed, 0) for seed in seeds(scale)]
+        share = 2.0 if name == "homing" else 1.0  # it takes twice the epochs
+        plan += [training(name, base, seed, 0, share) for seed in seeds(scale)]
     return plan
 
 
@@ -140,8 +146,8 @@ def sweep(scale, config):
     return plan
 
 
-def measures(scale):
-    names = [(name, seed) for name in PENALTIES for seed in seeds(scale)]
+def measures(scale, config):
+    names = [(name, seed) for name in measured(config) for seed in seeds(scale)]
     names += [(f"{kind}_{steps}", seed) for kind in SWEEPS for steps in scale.steps_sweep
               for seed in range(scale.sweep_seeds)]
     plan = []

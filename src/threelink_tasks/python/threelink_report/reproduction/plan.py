@@ -41,7 +41,7 @@ def stages(scale, config):
     plan = experiments.policies(scale, config) + experiments.episodes(config) + movies(scale)
     plan += experiments.strokes() + experiments.optima(scale)
     plan += experiments.curves(scale, config) + experiments.sweep(scale, config)
-    plan += experiments.measures(scale) + experiments.trials(scale, config)
+    plan += experiments.measures(scale, config) + experiments.trials(scale, config)
     made = [name for stage in plan for name in stage.outputs]
     return plan + figures(made) + report(made)
 
