@@ -34,7 +34,7 @@ packages=(
   libopenblas0-pthread                                    # without it LibTorch is six times slower
   libeigen3-dev libcli11-dev libfmt-dev libssl-dev libyaml-cpp-dev nlohmann-json3-dev
   libgtest-dev                                            # tests
-  python3-numpy python3-matplotlib                        # pictures
+  python3-numpy python3-matplotlib ffmpeg                 # pictures, movies
 )
 if ! getent hosts localhost >/dev/null; then # a machine without /etc/hosts; ROS looks it up
   packages+=(libnss-myhostname)
