@@ -395,6 +395,36 @@ TEST_F(DispatcherTest, WhatAnotherLearnerLeasedIsLateAndItsWorkerBusy) {
   EXPECT_EQ(only_lease().count, kEpisodes);
 }
 
+// A worker that has been fast, and hangs, goes on to say that it lives.
+TEST_F(DispatcherTest, PatienceIsTenTimesWhatTheLastLeasesTook) {
+  for (const auto& [taken, patience] : {std::pair{500ms, 5s}, {10ms, 3s}, {9000ms, 10s}}) {
+    SCOPED_TRACE(taken.count());
+    dispatcher_ = Dispatcher(settings());
+    dispatcher_.open(update_, Rollout(config_.environment, kEpisodes));
+    join(1);
+    const Lease first = only_lease();
+    for (auto played = 0ms; played < taken; played += 500ms)
+      dispatcher_.hear(status_of(1), now_), now_ += std::min(500ms, taken - played);
+    EXPECT_EQ(deliver(play(first)), Verdict::kAccepted);
+    expect_the_rollout();
+    open(config_, 3);
+    dispatcher_.hear(status_of(1), now_);
+    const Lease second = only_lease();
+    EXPECT_EQ(second.count, kEpisodes);
+    const Time begin = now_;
+    while (dispatcher_.leases_lost() == 0 && now_ < begin + 20s) {
+      now_ += 100ms;
+      WorkerStatus busy = status_of(1);
+      busy.session = kSession, busy.lease = second.id;
+      dispatcher_.hear(busy, now_);
+      leases();
+    }
+    EXPECT_EQ(now_ - begin, patience);
+    EXPECT_EQ(deliver(play(second)), Verdict::kAccepted);  // what comes after all is not in vain
+    expect_the_rollout();
+  }
+}
+
 // A worker, and what is between it and the learner, at the mercy of a random number generator.
 struct Chaos {
   std::uint64_t instance = 0;

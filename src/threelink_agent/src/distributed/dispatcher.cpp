@@ -97,8 +97,9 @@ Dispatcher::Sending Dispatcher::tick(Time now) {
   Sending sending;
   sending.refusals.swap(refusals_);
   if (!rollout_ || book_.complete()) return sending;
-  sending.leases =
-      book_.give(roster_.hands(), settings_.lease_episodes, now + settings_.lease_time);
+  sending.leases = book_.give(roster_.hands(), settings_.lease_episodes, [&](const Lease& lease) {
+    return now + roster_.patience(lease, settings_.lease_time);
+  });
   leases_given_ += sending.leases.size();
   for (const Lease& lease : sending.leases) roster_.leased(lease, now);
   return sending;

@@ -11,7 +11,8 @@ void LeaseBook::open(int episodes) {
   entries_.clear();
 }
 
-std::vector<Lease> LeaseBook::give(const std::vector<Hand>& hands, int most, Time deadline) {
+std::vector<Lease> LeaseBook::give(const std::vector<Hand>& hands, int most,
+                                   const std::function<Time(const Lease&)>& deadline) {
   double speed = 0;  // of the hands that are still to have their part
   for (const Hand& hand : hands) speed += hand.speed;
   auto open = std::count(states_.begin(), states_.end(), State::kOpen);
@@ -28,7 +29,7 @@ std::vector<Lease> LeaseBook::give(const std::vector<Hand>& hands, int most, Tim
       *end++ = State::kLeased;
     const Lease lease{++last_id_, hand.worker, static_cast<int>(begin - states_.begin()),
                       static_cast<int>(end - begin)};
-    entries_[lease.id] = {lease, deadline, true};
+    entries_[lease.id] = {lease, deadline(lease), true};
     given.push_back(lease);
     open -= end - begin;
     speed -= hand.speed;

@@ -14,6 +14,9 @@ namespace {
 // Workers whose speeds differ by less than this part of the mean are taken for equally fast.
 constexpr double kNoise = 0.25;
 
+// A lease may take so many times as long as the worker's last ones suggest.
+constexpr double kPatience = 10;
+
 double seconds(std::chrono::nanoseconds time) {
   return std::chrono::duration<double>(time).count();
 }
@@ -120,6 +123,15 @@ WorkerRoster::Worker* WorkerRoster::find(std::uint64_t instance) {
   for (auto& [name, worker] : workers_)
     if (worker.status.instance == instance) return &worker;
   return nullptr;
+}
+
+std::chrono::nanoseconds WorkerRoster::patience(const Lease& lease, std::chrono::nanoseconds most) {
+  const Worker* worker = find(lease.worker);
+  if (!worker || !(worker->speed > 0)) return most;
+  const std::chrono::duration<double> expected(kPatience * lease.count / worker->speed);
+  if (expected > most) return most;
+  const auto long_enough = std::chrono::duration_cast<std::chrono::nanoseconds>(expected);
+  return std::min(most, std::max(long_enough, settings_.silence));
 }
 
 void WorkerRoster::leased(const Lease& lease, Time now) {

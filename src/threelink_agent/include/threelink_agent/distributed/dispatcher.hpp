@@ -32,7 +32,8 @@ constexpr bool is_fault(Verdict verdict) { return verdict > Verdict::kDouble; }
 
 struct DispatcherSettings {
   RosterSettings roster;
-  // A lease that has not come back for so long is given again.
+  // A lease that has not come back for so long is given again; sooner if the worker is known to be
+  // fast (WorkerRoster::patience).
   std::chrono::nanoseconds lease_time = std::chrono::seconds(60);
   int lease_episodes = 256;  // of a lease, at most
 };

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -37,7 +38,8 @@ class LeaseBook {
   // Divides what is open among the hands in proportion to their speed. Each that is free gets a
   // lease of its part, as far as that is consecutive and no more than `most` episodes; the parts of
   // the others stay open until they come back.
-  std::vector<Lease> give(const std::vector<Hand>& hands, int most, Time deadline);
+  std::vector<Lease> give(const std::vector<Hand>& hands, int most,
+                          const std::function<Time(const Lease&)>& deadline);
 
   // Null for a lease that this update never gave.
   const Lease* find(std::uint64_t id) const;

@@ -76,6 +76,11 @@ class WorkerRoster {
   bool alive(const Worker& worker) const;
   std::vector<LeaseBook::Hand> hands() const;
 
+  // How long to wait for a lease, `most` at most: ten times what the worker's last leases suggest,
+  // so that one that hangs, and says all the same that it lives, does not hold all others up. Too
+  // little patience costs double work, and no episode.
+  std::chrono::nanoseconds patience(const Lease& lease, std::chrono::nanoseconds most);
+
   void leased(const Lease& lease, Time now);
   void lost(const Lease& lease);
   // A batch has come: of so many episodes that were needed; and that frees the worker; or a bad
