@@ -39,9 +39,10 @@ def small_config(path, episodes=600):
 class Process:
     """A program whose output is kept."""
 
-    def __init__(self, command, **environment):
+    def __init__(self, command, stdout=None, **environment):
         self.output = tempfile.TemporaryFile("w+")
-        self.process = subprocess.Popen(command, stdout=self.output, stderr=subprocess.STDOUT,
+        self.process = subprocess.Popen(command, stdout=stdout or self.output,
+                                        stderr=subprocess.STDOUT if stdout is None else None,
                                         env={**os.environ, **environment})
 
     def running(self):

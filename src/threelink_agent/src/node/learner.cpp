@@ -1,11 +1,15 @@
 #include "learner.hpp"
 
+#include <random>
+#include <utility>
+
 #include <fmt/format.h>
 #include <ros/console.h>
+#include <ros/network.h>
 #include <threelink_msgs/Leases.h>
 #include <threelink_msgs/PolicyWeights.h>
 
-#include "threelink_sim/node/node_main.hpp"
+#include "threelink_agent/distributed/fingerprint.hpp"
 #include "threelink_sim/node/topics.hpp"
 #include "training_messages.hpp"
 
@@ -14,28 +18,91 @@ namespace {
 
 namespace topics = threelink_sim::topics;
 using diagnostic_msgs::DiagnosticStatus;
+using threelink_msgs::TrainingStatus;
+using threelink_msgs::WorkerReport;
 
-std::string line_of(const WorkerRoster::Worker& worker, bool alive, Dispatcher::Time now) {
+std::vector<WorkerReport> reports_of(const WorkerRoster& roster, Dispatcher::Time now) {
+  std::vector<WorkerReport> reports;
+  for (const auto& [name, worker] : roster.workers()) {
+    WorkerReport& report = reports.emplace_back();
+    report.name = name;
+    report.state = roster.alive(worker)     ? WorkerReport::ALIVE
+                   : worker.refused.empty() ? WorkerReport::GONE
+                                            : WorkerReport::REFUSED;
+    report.reason = worker.refused;
+    report.host = worker.status.host;
+    report.instructions = worker.status.instructions;
+    report.threads = worker.status.threads;
+    report.silence = std::chrono::duration<double>(now - worker.heard).count();
+    report.episodes = worker.episodes;
+    report.leases_lost = worker.leases_lost;
+    report.batches_refused = worker.batches_refused;
+    report.instances = worker.instances;
+  }
+  return reports;
+}
+
+const char* to_string(const WorkerReport& worker) {
+  return worker.state == WorkerReport::ALIVE  ? "alive"
+         : worker.state == WorkerReport::GONE ? "gone"
+                                              : "refused";
+}
+
+std::string line_of(const WorkerReport& worker) {
   std::string line = fmt::format(
       "{}, {} on {}, {} threads, {} episodes, heard {:.1f} s ago, {} leases lost, {} batches "
       "refused, started {} times",
-      alive                     ? "alive"
-      : !worker.refused.empty() ? "refused"
-                                : "gone",
-      worker.status.instructions, worker.status.host, worker.status.threads, worker.episodes,
-      std::chrono::duration<double>(now - worker.heard).count(), worker.leases_lost,
-      worker.batches_refused, worker.instances);
-  if (!worker.refused.empty()) line += ": " + worker.refused;
+      to_string(worker), worker.instructions, worker.host, worker.threads, worker.episodes,
+      worker.silence, worker.leases_lost, worker.batches_refused, worker.instances);
+  if (!worker.reason.empty()) line += ": " + worker.reason;
   return line;
+}
+
+std::uint64_t draw_session() {
+  std::random_device device;
+  return (std::uint64_t{device()} << 32 | device()) | 1;  // not 0
+}
+
+std::chrono::nanoseconds seconds(double s) {
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(s * 1e9));
+}
+
+RemoteRollouts::Settings of_this_learner(RemoteRollouts::Settings settings) {
+  settings.dispatcher.roster.session = draw_session();
+  settings.dispatcher.roster.fingerprint = fingerprint();
+  return settings;
 }
 
 }  // namespace
 
-Learner::Learner(const TrainConfig& config, const RemoteRollouts::Settings& settings)
-    : rollouts_(config, settings, *this, [] { return threelink_sim::running(); }),
+RemoteRollouts::Settings read_remote_settings(threelink_sim::Parameters& given) {
+  RemoteRollouts::Settings settings;
+  settings.worker_timeout = seconds(given.real("worker_timeout", {0.1, 1e6}, 30));
+  settings.dispatcher.lease_time = seconds(given.real("lease_timeout", {0.1, 1e6}, 60));
+  settings.dispatcher.lease_episodes = given.integer("lease_episodes", {1, 1000000}, 256);
+  return settings;
+}
+
+void log_reach() {
+  const std::string& host = ros::network::getHost();
+  if (host == "localhost" || host.rfind("127.", 0) == 0)
+    ROS_INFO(
+        "workers of this machine can connect; those of others cannot, since this node's "
+        "address is %s (lan:=true of train.launch, ROS_IP)",
+        host.c_str());
+  else
+    ROS_WARN(
+        "workers of every machine that reaches %s can connect: ROS 1 neither encrypts nor "
+        "asks who it is",
+        host.c_str());
+}
+
+Learner::Learner(const TrainConfig& config, const RemoteRollouts::Settings& settings,
+                 std::function<bool()> keep_going)
+    : rollouts_(config, of_this_learner(settings), *this, std::move(keep_going)),
+      status_publisher_([this](TrainingStatus& status) { add_workers(status); }),
       diagnostics_("training", "threelink_learner",
-                   [this](Diagnostics::Status& status, double) { report(status); }),
-      spinner_(1) {
+                   [this](Diagnostics::Status& status, double) { report(status); }) {
   constexpr bool kLatch = true;
   policy_publisher_ = node_.advertise<threelink_msgs::PolicyWeights>(topics::kPolicy, 1, kLatch);
   leases_publisher_ = node_.advertise<threelink_msgs::Leases>(
@@ -50,18 +117,11 @@ Learner::Learner(const TrainConfig& config, const RemoteRollouts::Settings& sett
           dispatcher.disconnect(subscriber.getSubscriberName());
         });
       });
-  status_publisher_ =
-      node_.advertise<threelink_msgs::TrainingStatus>(topics::kTrainingStatus, 10, kLatch);
   const auto hints = ros::TransportHints().tcpNoDelay();
   worker_subscriber_ = node_.subscribe(topics::kWorkers, 1000, &Learner::on_worker, this, hints);
   episodes_subscriber_ =
       node_.subscribe(topics::kEpisodes, 1000, &Learner::on_episodes, this, hints);
-  status_timer_ = node_.createSteadyTimer(
-      ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { publish_status(); });
-  spinner_.start();
 }
-
-Learner::~Learner() { spinner_.stop(); }
 
 void Learner::send_policy(std::uint64_t version, const std::string& bytes) {
   threelink_msgs::PolicyWeights message;
@@ -109,54 +169,22 @@ void Learner::on_episodes(const boost::shared_ptr<threelink_msgs::EpisodeBatch>&
   });
 }
 
-void Learner::on_update(const Trainer& trainer, const UpdateReport* report,
-                        const Progress& progress) {
-  {
-    const TrainConfig& config = trainer.config();
-    const std::lock_guard<std::mutex> lock(mutex_);
-    status_.updates = config.updates();
-    status_.update = trainer.state().update;
-    status_.time_left = progress.seconds_left();
-    if (report) {
-      status_.episodes = report->episodes;
-      status_.steps = report->steps;
-      status_.steps_per_s = progress.steps_per_s();
-      status_.mean_return = report->mean_return;
-      status_.policy_loss = report->statistics.policy_loss;
-      status_.value_loss = report->statistics.value_loss;
-      status_.kl = report->statistics.kl;
-      status_.entropy = report->entropy;
-    } else {
-      status_.episodes = std::uint64_t{config.update.episodes} * trainer.state().update;
-      status_.steps = status_.episodes * config.environment.steps;
-    }
-  }
-  publish_status();
-}
-
-void Learner::publish_status() {
-  std::uint32_t workers = 0;
-  rollouts_.with(
-      [&](Dispatcher& dispatcher, Dispatcher::Time) { workers = dispatcher.roster().alive(); });
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (status_.updates == 0) return;  // the training has not begun
-  status_.header.stamp = wall_time();
-  status_.workers = workers;
-  status_publisher_.publish(status_);
+void Learner::add_workers(TrainingStatus& status) {
+  rollouts_.with([&](Dispatcher& dispatcher, Dispatcher::Time now) {
+    status.workers = dispatcher.roster().alive();
+    status.worker_reports = reports_of(dispatcher.roster(), now);
+  });
 }
 
 void Learner::report(Diagnostics::Status& status) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    status.summaryf(DiagnosticStatus::OK, "update %lu of %lu", status_.update, status_.updates);
-  }
-  rollouts_.with([&](Dispatcher& dispatcher, Dispatcher::Time now) {
-    const WorkerRoster& roster = dispatcher.roster();
-    if (roster.alive() == 0) status.mergeSummary(DiagnosticStatus::WARN, "no worker");
-    for (const auto& [name, worker] : roster.workers())
-      if (!worker.refused.empty())
-        status.mergeSummary(DiagnosticStatus::WARN, name + ": " + worker.refused);
-    status.add("workers alive", roster.alive());
+  const TrainingStatus training = status_publisher_.status();
+  status.summaryf(DiagnosticStatus::OK, "update %lu of %lu", training.update, training.updates);
+  if (training.workers == 0) status.mergeSummary(DiagnosticStatus::WARN, "no worker");
+  for (const WorkerReport& worker : training.worker_reports)
+    if (!worker.reason.empty())
+      status.mergeSummary(DiagnosticStatus::WARN, worker.name + ": " + worker.reason);
+  status.add("workers alive", training.workers);
+  rollouts_.with([&](Dispatcher& dispatcher, Dispatcher::Time) {
     status.add("leases given", dispatcher.leases_given());
     status.add("leases lost", dispatcher.leases_lost());
     for (int i = 0; i < kVerdicts; ++i) {
@@ -165,9 +193,9 @@ void Learner::report(Diagnostics::Status& status) {
           fmt::format("batches {}{}", is_fault(verdict) ? "refused: " : "", to_string(verdict)),
           dispatcher.batches(verdict));
     }
-    for (const auto& [name, worker] : roster.workers())
-      status.add("worker " + name, line_of(worker, roster.alive(worker), now));
   });
+  for (const WorkerReport& worker : training.worker_reports)
+    status.add("worker " + worker.name, line_of(worker));
 }
 
 }  // namespace threelink_agent

@@ -1,33 +1,34 @@
 // What ties a training to its workers over topics; docs/distributed.md has the protocol.
 #pragma once
 
-#include <memory>
-#include <mutex>
+#include <functional>
 
 #include <ros/node_handle.h>
-#include <ros/spinner.h>
-#include <ros/steady_timer.h>
 #include <threelink_msgs/EpisodeBatch.h>
-#include <threelink_msgs/TrainingStatus.h>
 #include <threelink_msgs/WorkerStatus.h>
 
-#include "progress.hpp"
+#include "run_training.hpp"
+#include "status_publisher.hpp"
 #include "threelink_agent/distributed/remote_rollouts.hpp"
-#include "threelink_agent/training/trainer.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
+#include "threelink_sim/node/parameters.hpp"
 
 namespace threelink_agent {
 
-// The training runs in the thread of its owner; messages, timers and diagnostics in another one.
-class Learner : private RemoteRollouts::Wire {
+// ~worker_timeout, ~lease_timeout and ~lease_episodes.
+RemoteRollouts::Settings read_remote_settings(threelink_sim::Parameters& given);
+
+// Says which machines can connect to this node.
+void log_reach();
+
+// Serves in the global callback queue, while the training runs in a thread of its own.
+class Learner : public RolloutSource, private RemoteRollouts::Wire {
  public:
-  Learner(const TrainConfig& config, const RemoteRollouts::Settings& settings);
-  ~Learner() override;
+  Learner(const TrainConfig& config, const RemoteRollouts::Settings& settings,
+          std::function<bool()> keep_going);
 
-  RolloutSource& rollouts() { return rollouts_; }
-
-  // report: of the last update; null before the first one of this process.
-  void on_update(const Trainer& trainer, const UpdateReport* report, const Progress& progress);
+  Rollout play(const Play& play, int episodes) override { return rollouts_.play(play, episodes); }
+  StatusPublisher& status() { return status_publisher_; }
 
  private:
   using Diagnostics = threelink_sim::Diagnostics;
@@ -38,19 +39,15 @@ class Learner : private RemoteRollouts::Wire {
 
   void on_worker(const threelink_msgs::WorkerStatus& message);
   void on_episodes(const boost::shared_ptr<threelink_msgs::EpisodeBatch>& message);
-  void publish_status();
+  void add_workers(threelink_msgs::TrainingStatus& status);
   void report(Diagnostics::Status& status);
 
   RemoteRollouts rollouts_;
-  std::mutex mutex_;  // of status_
-  threelink_msgs::TrainingStatus status_;
-
+  StatusPublisher status_publisher_;
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
-  ros::Publisher policy_publisher_, leases_publisher_, status_publisher_;
+  ros::Publisher policy_publisher_, leases_publisher_;
   ros::Subscriber worker_subscriber_, episodes_subscriber_;
-  ros::SteadyTimer status_timer_;
-  ros::AsyncSpinner spinner_;
 };
 
 }  // namespace threelink_agent

@@ -1,14 +1,12 @@
 // Runs the learner node; see learner.hpp.
 #include <limits>
 #include <memory>
-#include <optional>
-#include <random>
 
 #include <ros/console.h>
+#include <ros/spinner.h>
 
 #include "learner.hpp"
 #include "run_training.hpp"
-#include "threelink_agent/distributed/fingerprint.hpp"
 #include "threelink_agent/training/backend.hpp"
 #include "threelink_agent/training/run_lock.hpp"
 #include "threelink_sim/node/node_main.hpp"
@@ -52,15 +50,6 @@ struct Parameters {
   RemoteRollouts::Settings remote;
 };
 
-std::chrono::nanoseconds seconds(double s) {
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(s * 1e9));
-}
-
-std::uint64_t draw_session() {
-  std::random_device device;
-  return (std::uint64_t{device()} << 32 | device()) | 1;  // not 0
-}
-
 Parameters read_parameters() {
   threelink_sim::Parameters given{ros::NodeHandle("~")};
   constexpr int kMost = std::numeric_limits<int>::max();
@@ -77,41 +66,30 @@ Parameters read_parameters() {
   run.threads = given.integer("threads", {1, 1024}, 1);
   run.checkpoint_every = given.integer("checkpoint_every", {1, 100000000}, 1);
   run.plot = given.flag("plot", true);
-  RemoteRollouts::Settings& remote = parameters.remote;
-  remote.worker_timeout = seconds(given.real("worker_timeout", {0.1, 1e6}, 30));
-  remote.dispatcher.lease_time = seconds(given.real("lease_timeout", {0.1, 1e6}, 60));
-  remote.dispatcher.lease_episodes = given.integer("lease_episodes", {1, 1000000}, 256);
-  remote.dispatcher.roster.session = draw_session();
-  remote.dispatcher.roster.fingerprint = fingerprint();
+  parameters.remote = read_remote_settings(given);
   given.finish();
   return parameters;
 }
 
-// The trainer owns its source; the learner outlives it.
-class Borrowed : public RolloutSource {
- public:
-  explicit Borrowed(RolloutSource& source) : source_(source) {}
-  Rollout play(const Play& play, int episodes) override { return source_.play(play, episodes); }
-
- private:
-  RolloutSource& source_;
-};
-
 int run() {
   const Parameters parameters = read_parameters();
-  std::unique_ptr<Learner> learner;
+  log_reach();
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  Learner* learner = nullptr;  // the trainer's, who tells it of its updates
   RunHooks hooks;
-  hooks.make_source = [&](const TrainConfig& config) {
-    learner = std::make_unique<Learner>(config, parameters.remote);
-    return std::make_unique<Borrowed>(learner->rollouts());
-  };
   hooks.keep_going = [] { return threelink_sim::running(); };
+  hooks.make_source = [&](const TrainConfig& config) {
+    auto source = std::make_unique<Learner>(config, parameters.remote, hooks.keep_going);
+    learner = source.get();
+    return source;
+  };
   hooks.on_update = [&](const Trainer& trainer, const UpdateReport* report,
                         const Progress& progress) {
-    learner->on_update(trainer, report, progress);
+    learner->status().on_update(trainer, report, progress);
   };
   try {
-    if (!run_training(parameters.run, hooks))
+    if (!run_training(parameters.run, hooks).finished)
       ROS_WARN("ended before the training was; a checkpoint is in %s, and resume goes on from it",
                parameters.run.out.c_str());
   } catch (const ConfigError& error) {

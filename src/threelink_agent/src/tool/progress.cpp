@@ -4,35 +4,16 @@
 #include <cstdio>
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
+
+#include "terminal.hpp"
 
 namespace threelink_agent {
 namespace {
 
 constexpr double kSmoothingTime = 3;  // [s] over which the shown steps/s are averaged
 
-std::string bar(double done) {
-  constexpr int kWidth = 12;
-  const int filled = static_cast<int>(done * kWidth);
-  return "[" + std::string(filled, '#') + std::string(kWidth - filled, '.') + "]";
-}
-
-// A longer line would wrap, and could not be redrawn in place.
-std::size_t terminal_width() {
-  winsize size{};
-  ioctl(STDOUT_FILENO, TIOCGWINSZ, &size);
-  return size.ws_col > 0 ? size.ws_col : 80;
-}
-
 }  // namespace
-
-std::string duration(double seconds) {
-  const auto s = static_cast<long>(seconds + 0.5);
-  if (s < 120) return fmt::format("{} s", s);
-  return s < 7200 ? fmt::format("{} min", s / 60)
-                  : fmt::format("{} h {} min", s / 3600, s % 3600 / 60);
-}
 
 Progress::Progress(const TrainConfig& config, std::uint32_t episodes, double seconds)
     : episodes_(config.episodes),
@@ -70,9 +51,9 @@ void Progress::show(const UpdateReport& report) {
       "{}/{} episodes  {:.1f} k steps/s  return {:.3f}  speed {}  {} left", report.episodes,
       episodes_, smoothed_ / 1000, report.mean_return, speed_, duration(left_));
   if (report.poisoned > 0) text += fmt::format("  {} poisoned", report.poisoned);
-  if (terminal_) {
+  if (terminal_) {  // a longer line would wrap, and could not be redrawn in place
     const std::string line = fmt::format("{} {:3.0f} %  {}", bar(done), 100 * done, text);
-    std::printf("\r\033[K%s", line.substr(0, terminal_width() - 1).c_str());
+    std::printf("\r\033[K%s", line.substr(0, terminal_size().columns - 1).c_str());
   } else if (static_cast<int>(10 * done) > tenths_) {
     tenths_ = static_cast<int>(10 * done);
     std::printf("%s\n", text.c_str());

@@ -9,8 +9,6 @@
 
 namespace threelink_agent {
 
-std::string duration(double seconds);  // "95 s", "17 min", "2 h 5 min"
-
 // On a terminal a bar that is redrawn in place; elsewhere a line for each tenth of the training.
 class Progress {
  public:

@@ -7,6 +7,7 @@
 #include <malloc.h>
 
 #include "learning_curve.hpp"
+#include "terminal.hpp"
 #include "threelink_agent/files.hpp"
 #include "threelink_agent/training/backend.hpp"
 #if defined(THREELINK_LIBTORCH)
@@ -108,9 +109,14 @@ void print_result(const Trainer& trainer, const RunFolder& folder, double second
   fmt::print("{} sha256 {}\n", folder.policy_path().string(), trainer.best()->sha256());
 }
 
+RunOutcome outcome(const Trainer& trainer, const RunFolder& folder) {
+  if (!trainer.best()) return {trainer.finished(), "", ""};
+  return {trainer.finished(), folder.policy_path().string(), trainer.best()->sha256()};
+}
+
 }  // namespace
 
-bool run_training(const RunSettings& settings, const RunHooks& hooks) {
+RunOutcome run_training(const RunSettings& settings, const RunHooks& hooks) {
   const Backend backend = backend_from_string(settings.backend);
   if (!available(backend))
     throw ConfigError(
@@ -130,7 +136,7 @@ bool run_training(const RunSettings& settings, const RunHooks& hooks) {
     folder.finish(trainer, seconds);  // a kill may have come in between
     fmt::print("the run in {} had finished\n", settings.out);
     print_result(trainer, folder, seconds);
-    return true;
+    return outcome(trainer, folder);
   }
 
   print_machine(backend);
@@ -150,10 +156,11 @@ bool run_training(const RunSettings& settings, const RunHooks& hooks) {
     seconds = progress.seconds();
     folder.finish(trainer, seconds);
   }
-  if (!trainer.finished()) return false;
-  if (settings.plot) draw_learning_curve(settings.out);
-  print_result(trainer, folder, seconds);
-  return true;
+  if (trainer.finished()) {
+    if (settings.plot) draw_learning_curve(settings.out);
+    print_result(trainer, folder, seconds);
+  }
+  return outcome(trainer, folder);
 }
 
 }  // namespace threelink_agent

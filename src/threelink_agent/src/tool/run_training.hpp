@@ -29,6 +29,7 @@ struct RunSettings {
 
 // How the one who runs it takes part.
 struct RunHooks {
+  // Asked once, when settings and folder are found good.
   std::function<std::unique_ptr<RolloutSource>(const TrainConfig&)> make_source;
   // Asked after each update.
   std::function<bool()> keep_going;
@@ -36,12 +37,17 @@ struct RunHooks {
   std::function<void(const Trainer&, const UpdateReport*, const Progress&)> on_update;
 };
 
-// Trains, shows its progress on standard output, and keeps the run's folder (run_folder.hpp).
-// Returns whether the training has finished: false if keep_going() or the source ended it, which
-// leaves a checkpoint of the last update, as does NoRollout.
+struct RunOutcome {
+  bool finished;       // not so if keep_going() or the source ended it
+  std::string policy;  // file of the best one; empty if there was no evaluation yet
+  std::string sha256;  // of its weights, as in the file
+};
+
+// Trains, shows its progress on standard output, and keeps the run's folder (run_folder.hpp). What
+// ends it before it has finished leaves a checkpoint of the last update, as does NoRollout.
 //
 // Throws ConfigError and RunFolderError before anything is changed, FileError, TrainingError,
 // NoRollout.
-bool run_training(const RunSettings& settings, const RunHooks& hooks);
+RunOutcome run_training(const RunSettings& settings, const RunHooks& hooks);
 
 }  // namespace threelink_agent

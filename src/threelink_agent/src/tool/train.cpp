@@ -77,7 +77,7 @@ int train(Arguments& arguments) {
   };
   hooks.keep_going = [] { return signal_caught == 0; };
   hooks.on_update = [](const Trainer&, const UpdateReport*, const Progress&) {};
-  if (run_training(arguments.run, hooks)) return 0;
+  if (run_training(arguments.run, hooks).finished) return 0;
   fmt::print("stopped by signal {}; the policies so far are in {}, and --resume goes on\n",
              int{signal_caught}, arguments.run.out);
   return 128 + signal_caught;

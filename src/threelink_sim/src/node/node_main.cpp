@@ -91,7 +91,8 @@ int run_body(const std::function<int()>& body) {
 
 int start_and_run(int argc, char** argv, const NodeDescription& description,
                   const std::function<int()>& body) {
-  ros::init(argc, argv, description.name, ros::init_options::NoSigintHandler);
+  const uint32_t naming = description.anonymous ? ros::init_options::AnonymousName : 0;
+  ros::init(argc, argv, description.name, ros::init_options::NoSigintHandler | naming);
   if (argc > 1) throw UsageError(std::string("unknown argument `") + argv[1] + "`; see --help");
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);

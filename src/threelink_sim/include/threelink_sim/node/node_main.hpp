@@ -16,8 +16,9 @@ enum ExitStatus : int {
 };
 
 struct NodeDescription {
-  std::string name;  // default name of the node
-  std::string help;  // topics, services and parameters, for --help
+  std::string name;        // default name of the node
+  std::string help;        // topics, services and parameters, for --help
+  bool anonymous = false;  // append what makes the name unique
 };
 
 // Runs body() between ros::start() and ros::shutdown() and returns the exit status: that of body(),

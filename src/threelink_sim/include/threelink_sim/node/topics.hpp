@@ -26,6 +26,7 @@ constexpr char kWaypoints[] = "waypoints";
 constexpr char kTargetMarker[] = "target_marker";    // interactive
 constexpr char kClickedPoint[] = "/clicked_point";   // rviz's "Publish Point"
 constexpr char kRunEpisode[] = "run_episode";        // action
+constexpr char kTrain[] = "train";                   // action
 constexpr char kReset[] = "reset";             // service
 constexpr char kLoadPolicy[] = "load_policy";  // service
 

@@ -1,0 +1,61 @@
+#!/usr/bin/python3
+"""Trains a policy by the action `train`, and cancels it on Ctrl-C, which leaves a checkpoint.
+
+  rosrun threelink_agent training_server __ns:=threelink
+  rosrun threelink_agent train_client.py --config config/train_vfs.yaml --out runs/a
+
+The exit status is 0 if the training has finished, and 1 otherwise.
+"""
+import argparse
+import os
+import sys
+
+import actionlib
+import rospy
+from actionlib_msgs.msg import GoalStatus
+
+from threelink_msgs.msg import TrainAction, TrainGoal
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--config", default="", help="YAML file; not needed to resume")
+    parser.add_argument("--out", required=True, help="folder of the run")
+    parser.add_argument("--seed", type=int, help="instead of the configuration's")
+    parser.add_argument("--episodes", type=int, default=0, help="likewise")
+    parser.add_argument("--resume", action="store_true", help="go on with the run in --out")
+    parser.add_argument("--workers", action="store_true", help="worker nodes play the episodes")
+    parser.add_argument("--action", default="/threelink/train", help="name of the action")
+    return parser.parse_args(arguments)
+
+
+def show(feedback):
+    status = feedback.status
+    print(f"update {status.update}/{status.updates}  return {status.mean_return:.3f}  "
+          f"{status.time_left:.0f} s left", flush=True)
+
+
+def main():
+    options = parse(rospy.myargv(sys.argv)[1:])
+    rospy.init_node("train_client", anonymous=True, disable_signals=True)
+    client = actionlib.SimpleActionClient(options.action, TrainAction)
+    print(f"waiting for the action {options.action}", file=sys.stderr)
+    client.wait_for_server()
+    goal = TrainGoal(config=options.config and os.path.abspath(options.config),
+                     out=os.path.abspath(options.out), own_seed=options.seed is not None,
+                     seed=options.seed or 0, episodes=options.episodes, resume=options.resume,
+                     workers=options.workers)
+    client.send_goal(goal, feedback_cb=show)
+    try:
+        client.wait_for_result()
+    except KeyboardInterrupt:
+        client.cancel_goal()
+        client.wait_for_result()
+    result = client.get_result()
+    print(result.reason or f"{result.policy} sha256 {result.sha256}")
+    return 0 if client.get_state() == GoalStatus.SUCCEEDED else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,169 @@
+#include "training_server.hpp"
+
+#include <chrono>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <ros/console.h>
+
+#include "learner.hpp"
+#include "threelink_agent/training/run_lock.hpp"
+#include "threelink_sim/node/node_main.hpp"
+#include "threelink_sim/node/topics.hpp"
+
+namespace threelink_agent {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using threelink_msgs::TrainFeedback;
+using threelink_msgs::TrainGoal;
+using threelink_msgs::TrainResult;
+
+TrainResult result(std::uint8_t outcome, const std::string& reason) {
+  TrainResult result;
+  result.outcome = outcome;
+  result.reason = reason;
+  return result;
+}
+
+}  // namespace
+
+TrainingServer::TrainingServer(int threads, bool plot, const RemoteRollouts::Settings& remote)
+    : threads_(threads),
+      plot_(plot),
+      remote_(remote),
+      diagnostics_("training server", "threelink_training_server",
+                   [this](Diagnostics::Status& status, double) { report(status); }),
+      spinner_(1, &queue_) {
+  ros::NodeHandle node;
+  node.setCallbackQueue(&queue_);  // so that a goal is answered while a training runs
+  server_.emplace(
+      node, threelink_sim::topics::kTrain, [this](Goal goal) { on_goal(goal); },
+      [this](Goal goal) { on_cancel(goal); }, false);
+  server_->start();
+  spinner_.start();
+}
+
+void TrainingServer::on_goal(Goal goal) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (goal_) {
+    const std::string reason =
+        fmt::format("a training into {} runs; cancel it first", goal_->getGoal()->out);
+    ROS_WARN("goal rejected: %s", reason.c_str());
+    goal.setRejected(result(Result::REJECTED, reason), reason);
+    return;
+  }
+  goal_ = goal;
+  cancelled_ = false;
+  changed_.notify_one();
+}
+
+void TrainingServer::on_cancel(Goal goal) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (goal_ && *goal_ == goal) cancelled_ = true;
+}
+
+bool TrainingServer::keep_going() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return threelink_sim::running() && !cancelled_;
+}
+
+std::optional<TrainingServer::Goal> TrainingServer::next() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  changed_.wait_for(lock, std::chrono::milliseconds(50), [this] { return goal_.has_value(); });
+  return goal_;
+}
+
+int TrainingServer::run() {
+  while (threelink_sim::running()) {
+    if (const auto goal = next()) {
+      train(*goal);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      goal_.reset();
+    }
+  }
+  return threelink_sim::kSuccess;
+}
+
+RunSettings TrainingServer::settings_of(const TrainGoal& goal) const {
+  if (goal.out.empty()) throw ConfigError("out is required");
+  RunSettings settings;
+  settings.prefix = "";
+  settings.config = goal.config;
+  settings.out = goal.out;
+  if (goal.own_seed) settings.seed = goal.seed;
+  if (goal.episodes > 0) settings.episodes = goal.episodes;
+  settings.resume = goal.resume;
+  settings.threads = threads_;
+  settings.plot = plot_;
+  return settings;
+}
+
+void TrainingServer::train(Goal goal) {
+  bool accepted = false;
+  const auto fail = [&](const std::string& reason) {
+    ROS_ERROR("%s", reason.c_str());
+    if (accepted) {
+      goal.setAborted(result(Result::FAILED, reason), reason);
+    } else {
+      goal.setRejected(result(Result::REJECTED, reason), reason);
+    }
+  };
+
+  StatusPublisher* status = nullptr;  // of the source, or of this training
+  std::optional<StatusPublisher> own_status;
+  RunHooks hooks;
+  hooks.keep_going = [this] { return keep_going(); };
+  hooks.make_source = [&](const TrainConfig& config) -> std::unique_ptr<RolloutSource> {
+    goal.setAccepted();
+    accepted = true;
+    if (!goal.getGoal()->workers) {
+      status = &own_status.emplace([](threelink_msgs::TrainingStatus&) {});
+      return std::make_unique<LocalRollouts>(threads_);
+    }
+    auto learner = std::make_unique<Learner>(config, remote_, hooks.keep_going);
+    status = &learner->status();
+    return learner;
+  };
+  hooks.on_update = [&](const Trainer& trainer, const UpdateReport* report,
+                        const Progress& progress) {
+    status->on_update(trainer, report, progress);
+    TrainFeedback feedback;
+    feedback.status = status->status();
+    goal.publishFeedback(feedback);
+  };
+
+  try {
+    const RunOutcome outcome = run_training(settings_of(*goal.getGoal()), hooks);
+    Result ended = result(Result::FINISHED, "");
+    ended.policy = outcome.policy;
+    ended.sha256 = outcome.sha256;
+    if (outcome.finished) {
+      goal.setSucceeded(ended);
+      return;
+    }
+    const bool by_client = threelink_sim::running();
+    ended.outcome = by_client ? Result::CANCELLED : Result::FAILED;
+    ended.reason =
+        fmt::format("{}; a checkpoint is in {}, and resume goes on from it",
+                    by_client ? "cancelled" : "the server was ended", goal.getGoal()->out);
+    if (by_client) {
+      goal.setCanceled(ended, ended.reason);
+    } else {
+      goal.setAborted(ended, ended.reason);
+    }
+  } catch (const RunFolderError& error) {
+    fail(std::string("out ") + error.what());
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+}
+
+void TrainingServer::report(Diagnostics::Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  status.summary(DiagnosticStatus::OK,
+                 goal_ ? "training into " + goal_->getGoal()->out : "waits for a goal");
+}
+
+}  // namespace threelink_agent

@@ -1,0 +1,20 @@
+// What is shown on a terminal.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace threelink_agent {
+
+std::string duration(double seconds);  // "95 s", "17 min", "2 h 5 min"
+
+// "[####........]"; done: 0 .. 1.
+std::string bar(double done, int width = 12);
+
+// Of standard output; 80 x 24 where it does not say.
+struct TerminalSize {
+  std::size_t columns, rows;
+};
+TerminalSize terminal_size();
+
+}  // namespace threelink_agent
