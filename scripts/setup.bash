@@ -35,6 +35,7 @@ packages=(
   libeigen3-dev libcli11-dev libfmt-dev libssl-dev libyaml-cpp-dev nlohmann-json3-dev
   libgtest-dev                                            # tests
   python3-numpy python3-matplotlib ffmpeg                 # pictures, movies
+  iproute2                                                # workers on other machines, tests of them
 )
 if ! getent hosts localhost >/dev/null; then # a machine without /etc/hosts; ROS looks it up
   packages+=(libnss-myhostname)

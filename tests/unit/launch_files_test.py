@@ -13,8 +13,8 @@ FOLDER = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "launch")
 FILES = sorted(os.path.join(FOLDER, name) for name in os.listdir(FOLDER))
 
 # What arguments without a default are given here.
-REQUIRED = {"bag": "/some/folder/some.bag", "file": "/some/points.csv", "out": "/some/run",
-            "task": "path"}
+REQUIRED = {"bag": "/some/folder/some.bag", "file": "/some/points.csv",
+            "hosts": "pc2,192.168.1.13", "out": "/some/run", "task": "path"}
 # What every launch file of a task takes.
 SHARED = {"rviz", "record", "seed", "episodes", "policy", "sampled", "realtime_factor", "bag_dir"}
 # Installed only where somebody asks for it.
@@ -30,8 +30,8 @@ class LaunchFilesTest(unittest.TestCase):
     def test_there_are_some(self):
         names = {os.path.basename(path) for path in FILES}
         self.assertLessEqual({"click.launch", "playback.launch", "pursuit.launch", "star.launch",
-                              "task.launch", "train.launch", "view.launch", "waypoints.launch",
-                              "workers.launch"}, names)
+                              "task.launch", "train.launch", "train_cluster.launch", "view.launch",
+                              "waypoints.launch", "workers.launch"}, names)
 
     def test_every_file_loads_and_every_node_exists(self):
         for path in FILES:
@@ -114,6 +114,34 @@ class LaunchFilesTest(unittest.TestCase):
         config = load(path, out="/b", workers="0")
         self.assertEqual({node.name for node in config.nodes}, {"learner"})
         self.assertNotIn("/threelink/learner/seed", config.params)  # it is the configuration's
+
+    def test_training_is_bound_to_loopback_unless_it_is_opened(self):
+        path = os.path.join(FOLDER, "train.launch")
+        os.environ["PWD"] = "/called/here"
+        closed = [("ROS_IP", "127.0.0.1"), ("ROS_HOSTNAME", "127.0.0.1")]
+        for lan in ("false", "true"):
+            nodes = load(path, out="a", lan=lan).nodes
+            self.assertEqual({node.name for node in nodes}, {"learner", "worker_1", "worker_2"})
+            for node in nodes:
+                address = [item for item in node.env_args if item[0] in dict(closed)]
+                self.assertEqual(address, closed if lan == "false" else [])
+
+    def test_a_cluster_has_workers_on_each_machine(self):
+        path = os.path.join(FOLDER, "train_cluster.launch")
+        os.environ["PWD"] = "/called/here"
+        config = load(path, out="a", hosts="pc2,lab-3.local", workers="2", local_workers="1",
+                      user="me", ssh_port="2222", env_loader="/there/env_loader", seed="4")
+        self.assertEqual({node.name: node.machine_name for node in config.nodes},
+                         {"learner": None, "worker_1": None, "on_pc2_1": "pc2", "on_pc2_2": "pc2",
+                          "on_lab_3_local_1": "lab-3.local", "on_lab_3_local_2": "lab-3.local"})
+        machine = config.machines["lab-3.local"]
+        self.assertEqual((machine.address, machine.user, machine.ssh_port, machine.env_loader),
+                         ("lab-3.local", "me", 2222, "/there/env_loader"))
+        self.assertEqual(config.params["/threelink/learner/seed"].value, 4)
+        for node in config.nodes:
+            self.assertNotIn("ROS_IP", dict(node.env_args))
+        config = load(path, out="a", hosts="pc2")
+        self.assertEqual(os.access(config.machines["pc2"].env_loader, os.X_OK), True)
 
     def test_a_task_may_bring_its_own_parameters(self):
         os.environ["PWD"] = os.path.dirname(os.path.realpath(__file__))
