@@ -1,6 +1,5 @@
 """Learners and workers as processes, for the tests of distributed training."""
 import os
-import re
 import signal
 import subprocess
 import tempfile
@@ -8,6 +7,7 @@ import unittest
 
 import roslib.packages
 import rospy
+import yaml
 from diagnostic_msgs.msg import DiagnosticArray
 from threelink_msgs.msg import EpisodeBatch, Leases, PolicyWeights, TrainingStatus, WorkerStatus
 
@@ -21,19 +21,24 @@ def program(name):
     return roslib.packages.find_node("threelink_agent", name)[0]
 
 
+def write_config(path, **settings):
+    """The shipped configuration with other settings; a__b is b in the section a."""
+    with open(CONFIG) as file:
+        config = yaml.safe_load(file)
+    for name, value in settings.items():
+        section, _, key = name.rpartition("__")
+        part = config[section] if section else config
+        assert key in part, name
+        part[key] = value
+    with open(path, "w") as file:
+        yaml.safe_dump(config, file)
+    return path
+
+
 def small_config(path, episodes=600):
     """Ten episodes an update, of 50 steps, for small networks."""
-    with open(CONFIG) as file:
-        text = file.read()
-    for pattern, value in ((r"^episodes:", episodes), (r"^evaluate_every:", 1000),
-                           (r"^hidden:", "[16, 16]"), (r"^  steps:", 50),
-                           (r"^  episodes:", 10), (r"^  minibatch:", 250)):
-        text, count = re.subn(pattern + r" *[^#\n]*", "%s %s " % (pattern[1:], value), text,
-                              flags=re.M)
-        assert count == 1, pattern
-    with open(path, "w") as file:
-        file.write(text)
-    return path
+    return write_config(path, episodes=episodes, evaluate_every=1000, hidden=[16, 16],
+                        environment__steps=50, update__episodes=10, update__minibatch=250)
 
 
 class Process:

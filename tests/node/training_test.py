@@ -28,20 +28,22 @@ def pid_of(node):
 
 
 class TrainingTest(TrainingTestCase):
-    def test_one_and_two_workers_give_the_policy_of_one_process(self):
+    def test_one_two_and_five_workers_give_the_policy_of_one_process(self):
         expected = self.in_process()
-        self.worker("worker_1")
-        self.finish(self.learner("one"))
-        self.assertEqual(self.policy_of("one"), expected)
-        self.worker("worker_2", threads=2)
-        self.assertTrue(wait(lambda: len({status.name for status in self.workers}) == 2
-                             or not self.workers))
-        self.finish(self.learner("two"))
-        self.assertEqual(self.policy_of("two"), expected)
-        metrics = [[row.split(",")[:3] for row in open(os.path.join(self.folder, run, "metrics.csv"))]
-                   for run in ("in_process", "one", "two")]
-        self.assertEqual(metrics[0], metrics[1])
-        self.assertEqual(metrics[0], metrics[2])
+        rows = lambda run: [row.split(",")[:3]
+                            for row in open(os.path.join(self.folder, run, "metrics.csv"))]
+        names = []
+        for count in (1, 2, 5):
+            while len(names) < count:
+                names.append("worker_%d" % len(names))
+                self.worker(names[-1], step_cost=20, threads=1 + len(names) % 2)
+            self.assertTrue(wait(lambda: len({status.name for status in self.workers}) == count))
+            self.batches.clear()
+            run = "with_%d" % count
+            self.finish(self.learner(run))
+            self.assertEqual(self.policy_of(run), expected)
+            self.assertEqual(rows(run), rows("in_process"))
+            self.assertEqual(len({batch.worker for batch in self.batches}), count)
 
     def test_workers_may_come_late_and_be_slow(self):
         expected = self.in_process()
