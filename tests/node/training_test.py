@@ -4,6 +4,7 @@ import os
 import random
 import signal
 import socket
+import subprocess
 import sys
 import time
 import unittest
@@ -248,6 +249,12 @@ class TrainingTest(TrainingTestCase):
         trainer = self.start(["roslaunch", "threelink_tasks", "train.launch", "workers:=0",
                               "config:=" + self.config, "out:=" + run])
         self.wait_for_update(3)
+        # Unless opened to the network, only XML-RPC listens on all interfaces.
+        listening = subprocess.run(["ss", "-Hltnp"], stdout=subprocess.PIPE,
+                                   universal_newlines=True, check=True).stdout.splitlines()
+        addresses = [line.split()[3].rpartition(":")[0] for line in listening
+                     if "pid=%d," % pid_of("/threelink/learner") in line]
+        self.assertEqual(sorted(addresses), ["0.0.0.0", "127.0.0.1"])
         os.kill(pid_of("/threelink/worker_2"), signal.SIGKILL)
         self.wait_for_update(self.updates() + 3)
         os.kill(pid_of("/threelink/learner"), signal.SIGKILL)

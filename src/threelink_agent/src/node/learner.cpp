@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <ros/console.h>
 #include <ros/network.h>
+#include <sys/resource.h>
 #include <threelink_msgs/Leases.h>
 #include <threelink_msgs/PolicyWeights.h>
 
@@ -81,6 +82,13 @@ RemoteRollouts::Settings read_remote_settings(threelink_sim::Parameters& given) 
   settings.dispatcher.lease_time = seconds(given.real("lease_timeout", {0.1, 1e6}, 60));
   settings.dispatcher.lease_episodes = given.integer("lease_episodes", {1, 1000000}, 256);
   return settings;
+}
+
+void allow_many_connections() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 void log_reach() {

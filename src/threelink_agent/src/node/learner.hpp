@@ -18,6 +18,10 @@ namespace threelink_agent {
 // ~worker_timeout, ~lease_timeout and ~lease_episodes.
 RemoteRollouts::Settings read_remote_settings(threelink_sim::Parameters& given);
 
+// Raises the soft limit of open files to the hard one, for a worker takes four connections; to be
+// called first in main(), since roscpp looks at the limit when it starts.
+void allow_many_connections();
+
 // Says which machines can connect to this node.
 void log_reach();
 

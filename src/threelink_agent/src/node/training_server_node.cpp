@@ -44,6 +44,7 @@ int run() {
 }  // namespace threelink_agent
 
 int main(int argc, char** argv) {
+  threelink_agent::allow_many_connections();
   return threelink_sim::run_node(argc, argv, {"training_server", threelink_agent::kHelp},
                                  threelink_agent::run);
 }
