@@ -6,48 +6,13 @@
 
 #include "threelink_agent/symmetry.hpp"
 #include "threelink_agent/training/gaussian.hpp"
-#include "threelink_sim/isa.hpp"
 #include "threelink_sim/random.hpp"
 
 namespace threelink_agent {
 
 using threelink_sim::Environment;
 using threelink_sim::EnvironmentConfig;
-using threelink_sim::RandomCounter;
 using threelink_sim::Stream;
-
-namespace {
-
-// Standard normals for one step of all episodes: hinge j of episode i at [i * hinges_even + j].
-class ExplorationNoise {
- public:
-  ExplorationNoise(std::uint64_t seed, std::uint32_t first_episode, int episodes, int hinges)
-      : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
-        draws_((hinges + 1) / 2),
-        counters_(episodes * draws_),
-        normals_(2 * counters_.size()) {
-    for (std::size_t k = 0; k < counters_.size(); ++k)
-      counters_[k] = {static_cast<std::uint32_t>(k % draws_), 0,
-                      first_episode + static_cast<std::uint32_t>(k / draws_),
-                      static_cast<std::uint32_t>(Stream::kExploration)};
-  }
-
-  void draw(std::uint32_t step) {
-    for (RandomCounter& counter : counters_) counter.step = step;
-    threelink_sim::kernels().normals(counters_.size(), key_, &counters_[0].draw, normals_.data());
-  }
-  float operator()(int hinge, int episode) const {
-    return static_cast<float>(normals_[2 * draws_ * episode + hinge]);
-  }
-
- private:
-  std::uint32_t key_[2];
-  int draws_;  // a counter gives two normals
-  std::vector<RandomCounter> counters_;
-  std::vector<double> normals_;
-};
-
-}  // namespace
 
 Rollout::Rollout(const EnvironmentConfig& config, int episodes)
     : steps(static_cast<int>(config.steps)),
@@ -65,54 +30,73 @@ double Rollout::mean_return() const {
   return std::accumulate(rewards.begin(), rewards.end(), 0.0) / episodes;
 }
 
+threelink_sim::SwimmerState start_of(const Play& play, int i) {
+  return threelink_sim::random_start(play.environment.model, play.seed, play.first_episode + i);
+}
+
+RolloutActor::RolloutActor(const Play& play, int begin, int end, Rollout& rollout)
+    : play_(&play),
+      std_(play.log_std.array().exp()),
+      begin_(begin),
+      n_(end - begin),
+      rollout_(&rollout),
+      noise_(play.seed, play.first_episode + begin, n_, rollout.hinges),
+      seen_(rollout.observation_size * n_),
+      mean_(rollout.hinges * n_),
+      reversed_(n_, false),
+      rates_(rollout.hinges * n_) {}
+
+void RolloutActor::see(int t, const double* observed) {
+  const int inputs = rollout_->observation_size;
+  const std::size_t stride = std::size_t(rollout_->steps + 1) * rollout_->episodes;
+  std::copy_n(observed, inputs * n_, seen_.data());
+  if (play_->canonical == Symmetry::kReversal)
+    for (int i = 0; i < n_; ++i) {
+      reversed_[i] = observed[i] < 0;
+      if (reversed_[i]) reverse_observation(seen_.data(), rollout_->hinges, n_, i);
+    }
+  for (int k = 0; k < inputs; ++k)
+    std::copy_n(&seen_[k * n_], n_, &rollout_->observations[k * stride + at(t)]);
+}
+
+const double* RolloutActor::act(int t) {
+  const std::size_t stride = std::size_t(rollout_->steps) * rollout_->episodes;
+  play_->actor.forward(n_, seen_.data(), mean_.data());
+  noise_.draw(t);
+  float* log_prob = &rollout_->log_probs[at(t)];
+  std::fill_n(log_prob, n_, 0.0f);
+  for (int j = 0; j < rollout_->hinges; ++j) {
+    float* action = &rollout_->actions[j * stride + at(t)];
+    for (int i = 0; i < n_; ++i) {
+      const float z = noise_(j, i);
+      action[i] = mean_[j * n_ + i] + std_[j] * z;
+      log_prob[i] += log_density(z, play_->log_std[j]);
+      rates_[j * n_ + i] = action[i];
+    }
+  }
+  for (int i = 0; i < n_; ++i)
+    if (reversed_[i]) reverse_rates(rates_.data(), rollout_->hinges, n_, i);
+  return rates_.data();
+}
+
+void RolloutActor::earn(int t, const double* rewards) {
+  std::copy_n(rewards, n_, &rollout_->rewards[at(t)]);
+}
+
 void collect(const Play& play, int begin, int end, Rollout& rollout) {
-  const int n = end - begin, inputs = rollout.observation_size, hinges = rollout.hinges;
-  const std::size_t stride = std::size_t(rollout.steps) * rollout.episodes;
-  const std::size_t observation_stride = stride + rollout.episodes;
-  const std::uint32_t first = play.first_episode + begin;
-
+  const int n = end - begin;
   Environment environment(play.environment, n);
-  for (int i = 0; i < n; ++i)
-    environment.reset(i, threelink_sim::random_start(play.environment.model, play.seed, first + i));
-  ExplorationNoise noise(play.seed, first, n, hinges);
-  const Eigen::VectorXf std = play.log_std.array().exp();
-
-  std::vector<double> observed(inputs * n), rates(hinges * n);
-  std::vector<float> seen(inputs * n), mean(hinges * n);
-  std::vector<char> reversed(n, false);
+  for (int i = 0; i < n; ++i) environment.reset(i, start_of(play, begin + i));
+  RolloutActor actor(play, begin, end, rollout);
+  std::vector<double> observed(rollout.observation_size * n);
   const auto observe = [&](int t) {
     environment.observe(observed.data());
-    std::copy(observed.begin(), observed.end(), seen.begin());
-    if (play.canonical == Symmetry::kReversal)
-      for (int i = 0; i < n; ++i) {
-        reversed[i] = observed[i] < 0;
-        if (reversed[i]) reverse_observation(seen.data(), hinges, n, i);
-      }
-    const std::size_t at = std::size_t(t) * rollout.episodes + begin;
-    for (int k = 0; k < inputs; ++k)
-      std::copy_n(&seen[k * n], n, &rollout.observations[k * observation_stride + at]);
+    actor.see(t, observed.data());
   };
-
   for (int t = 0; t < rollout.steps; ++t) {
     observe(t);
-    play.actor.forward(n, seen.data(), mean.data());
-    noise.draw(t);
-    const std::size_t at = std::size_t(t) * rollout.episodes + begin;
-    float* log_prob = &rollout.log_probs[at];
-    std::fill_n(log_prob, n, 0.0f);
-    for (int j = 0; j < hinges; ++j) {
-      float* action = &rollout.actions[j * stride + at];
-      for (int i = 0; i < n; ++i) {
-        const float z = noise(j, i);
-        action[i] = mean[j * n + i] + std[j] * z;
-        log_prob[i] += log_density(z, play.log_std[j]);
-        rates[j * n + i] = action[i];
-      }
-    }
-    for (int i = 0; i < n; ++i)
-      if (reversed[i]) reverse_rates(rates.data(), hinges, n, i);
-    environment.step(rates.data());
-    std::copy_n(environment.rewards(), n, &rollout.rewards[at]);
+    environment.step(actor.act(t));
+    actor.earn(t, environment.rewards());
   }
   observe(rollout.steps);
 }

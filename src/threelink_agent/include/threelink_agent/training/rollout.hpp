@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "threelink_agent/policy.hpp"
+#include "threelink_agent/training/exploration_noise.hpp"
 #include "threelink_sim/environment.hpp"
 
 namespace threelink_agent {
@@ -38,6 +39,38 @@ struct Play {
   Eigen::VectorXf log_std;  // (A) of their standard deviation [1/T0]
   std::uint64_t seed;
   std::uint32_t first_episode;  // number of the rollout's first one
+};
+
+// The start of the rollout's episode i, keyed by (seed, number of the episode).
+threelink_sim::SwimmerState start_of(const Play& play, int i);
+
+// The policy in the rollout's episodes begin .. end - 1, n of them side by side: acts on what it is
+// shown, and writes down what it saw, did and earned. Who moves the swimmers is none of its
+// business. Allocates when it is made only.
+class RolloutActor {
+ public:
+  // Both must outlive it.
+  RolloutActor(const Play& play, int begin, int end, Rollout& rollout);
+
+  // Step t in [0, steps]: the observations, component k of episode i at [k * n + i].
+  void see(int t, const double* observed);
+  // Step t in [0, steps): the rates for what it saw, hinge j of episode i at [j * n + i] [1/T0],
+  // before any clipping.
+  const double* act(int t);
+  // What that brought (n).
+  void earn(int t, const double* rewards);
+
+ private:
+  std::size_t at(int t) const { return std::size_t(t) * rollout_->episodes + begin_; }
+
+  const Play* play_;
+  Eigen::VectorXf std_;
+  int begin_, n_;
+  Rollout* rollout_;
+  ExplorationNoise noise_;
+  std::vector<float> seen_, mean_;
+  std::vector<char> reversed_;
+  std::vector<double> rates_;
 };
 
 // Plays the rollout's episodes begin .. end - 1 side by side from random starts towards theta_T =
