@@ -101,7 +101,7 @@ class DispatcherTest : public testing::Test {
 
   Time now_{};
   TrainConfig config_;
-  LeasePlayer player_{1};
+  LeasePlayer player_{std::make_unique<LocalRollouts>(1)};
   Update update_{};
   std::optional<Rollout> expected_;
   Dispatcher dispatcher_{settings()};
@@ -196,6 +196,44 @@ TEST_F(DispatcherTest, AnExpiredLeaseIsGivenAgainAndCountsOnce) {
   EXPECT_EQ(deliver(play(lost)), Verdict::kDouble);
   EXPECT_EQ(worker(1).episodes, 0u);
   expect_the_rollout();
+}
+
+TEST_F(DispatcherTest, AWorkerMayGiveALeaseBack) {
+  join(1);
+  const auto give_back = [&](const Lease& lease) {
+    EpisodeBatch batch = play({});
+    batch.lease = lease.id, batch.worker = lease.worker;
+    batch.given_back = "the robot is tired";
+    return deliver(batch);
+  };
+  EXPECT_EQ(give_back(only_lease()), Verdict::kGivenBack);
+  EXPECT_TRUE(leases().empty());  // until it is heard again
+  EXPECT_EQ(dispatcher_.roster().alive(), 0);
+  join(2);
+  const Lease lease = only_lease();
+  EXPECT_EQ(lease.worker, 2u);
+  EXPECT_EQ(lease.count, kEpisodes);
+  EXPECT_EQ(give_back(lease), Verdict::kGivenBack);
+  EXPECT_EQ(give_back(lease), Verdict::kGivenBack);  // whatever comes twice
+  dispatcher_.hear(status_of(1), now_);
+  EXPECT_EQ(deliver(play(only_lease())), Verdict::kAccepted);
+  expect_the_rollout();
+  EXPECT_EQ(give_back(lease), Verdict::kLate);
+  EXPECT_EQ(dispatcher_.batches(Verdict::kGivenBack), 3u);
+  EXPECT_EQ(dispatcher_.leases_lost(), 0u);
+
+  open(config_, 4);
+  for (int i = 0; i < 10; ++i) {
+    dispatcher_.hear(status_of(1), now_);
+    EXPECT_EQ(worker(1).refused, "");
+    EXPECT_EQ(give_back(only_lease()), Verdict::kGivenBack);
+  }
+  dispatcher_.hear(status_of(1), now_);
+  const Dispatcher::Sending sending = dispatcher_.tick(now_);
+  EXPECT_TRUE(sending.leases.empty());
+  ASSERT_EQ(sending.refusals.size(), 1u);
+  EXPECT_EQ(sending.refusals[0].reason,
+            "given up: it gave 10 leases in a row back, the last one since the robot is tired");
 }
 
 // Otherwise a worker that needs longer than a lease lasts would work for ever, for nothing.
@@ -306,7 +344,7 @@ TEST_F(DispatcherTest, AWorkerWithOtherBitsIsRefusedWithTheReason) {
   dispatcher_.hear(status, now_);
   sending = dispatcher_.tick(now_);
   EXPECT_TRUE(sending.leases.empty());
-  EXPECT_EQ(sending.refusals.at(0).reason, "it speaks version 2 of the protocol, the learner 1");
+  EXPECT_EQ(sending.refusals.at(0).reason, "it speaks version 3 of the protocol, the learner 2");
 }
 
 // Everything that may be wrong with a batch, and what it is called.
@@ -551,7 +589,7 @@ class Threads : public RemoteRollouts::Wire {
             const Dispatcher::Sending& sending) override {
     for (const Lease& lease : sending.leases)
       workers_.emplace_back([this, session, update, lease, policy = policy_] {
-        LeasePlayer player(1);
+        LeasePlayer player(std::make_unique<LocalRollouts>(1));
         player.load(policy, "test");
         const EpisodeBatch batch = player.play({session, update.version, update.policy, lease.id,
                                                 lease.worker, update.first_episode + lease.first,
@@ -615,7 +653,7 @@ TEST(RemoteRolloutsTest, WithoutWorkersItSaysWhoWasRefused) {
   } catch (const NoRollout& error) {
     EXPECT_EQ(error.what(),
               std::string("no worker for 0.05 s; refused worker_1: it speaks version 9 of the "
-                          "protocol, the learner 1"));
+                          "protocol, the learner 2"));
   }
   EXPECT_EQ(trainer.state().update, 0u);
 }

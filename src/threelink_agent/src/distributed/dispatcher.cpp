@@ -12,6 +12,8 @@ const char* to_string(Verdict verdict) {
       return "late";
     case Verdict::kDouble:
       return "double";
+    case Verdict::kGivenBack:
+      return "given back";
     case Verdict::kNotLeased:
       return "not leased";
     case Verdict::kWrongPolicy:
@@ -63,6 +65,7 @@ Verdict Dispatcher::judge(const EpisodeBatch& batch) const {
     return Verdict::kWrongPolicy;
   const Lease* lease = book_.find(batch.lease);
   if (!lease || lease->worker != batch.worker) return Verdict::kNotLeased;
+  if (!batch.given_back.empty()) return Verdict::kGivenBack;
   if (batch.first_episode != update_.first_episode + lease->first ||
       !well_formed(batch, *rollout_, lease->count))
     return Verdict::kMalformed;
@@ -87,6 +90,10 @@ Verdict Dispatcher::deliver(const EpisodeBatch& batch, Time now) {
     book_.reopen(roster_.bad_batch(batch.worker, to_string(verdict)));
   else
     roster_.returned(batch.worker, batch.session, batch.lease);
+  if (verdict == Verdict::kGivenBack) {
+    book_.reopen(batch.lease);
+    roster_.gave_back(batch.worker, batch.given_back);
+  }
   ++batches_[static_cast<int>(verdict)];
   return verdict;
 }

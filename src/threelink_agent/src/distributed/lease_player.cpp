@@ -27,7 +27,11 @@ EpisodeBatch LeasePlayer::play(const Assignment& assignment) {
   batch.first_episode = assignment.first_episode;
   if (ready_for(assignment) && assignment.episodes > 0 && assignment.episodes <= kMostEpisodes) {
     play_->first_episode = assignment.first_episode;
-    put(rollouts_.play(*play_, static_cast<int>(assignment.episodes)), batch);
+    try {
+      put(source_->play(*play_, static_cast<int>(assignment.episodes)), batch);
+    } catch (const NoRollout& error) {
+      batch.given_back = error.what();
+    }
   }
   batch.checksum = checksum(batch);
   return batch;

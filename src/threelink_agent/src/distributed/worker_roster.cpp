@@ -40,6 +40,7 @@ void WorkerRoster::start_anew(Worker& worker, Time now) {
   worker.overdue = false;
   worker.speed = 0;
   worker.bad_in_a_row = 0;
+  worker.given_back_in_a_row = 0;
   if (worker.given_up) return;
   worker.restarts.push_back(now);
   while (now - worker.restarts.front() > settings_.restart_window) worker.restarts.pop_front();
@@ -153,6 +154,7 @@ void WorkerRoster::accepted(const Lease& lease, int episodes, Time now) {
   if (!worker) return;
   worker->episodes += episodes;
   worker->bad_in_a_row = 0;
+  worker->given_back_in_a_row = 0;
   if (worker->lease != lease.id) return;
   const double speed = lease.count / std::max(1e-6, seconds(now - worker->leased));
   worker->speed = worker->speed > 0 ? (worker->speed + speed) / 2 : speed;
@@ -166,6 +168,16 @@ void WorkerRoster::returned(std::uint64_t instance, std::uint64_t session, std::
   if (session != settings_.session || worker->lease != lease) return;
   worker->lease = 0;
   worker->overdue = false;
+}
+
+void WorkerRoster::gave_back(std::uint64_t instance, const std::string& reason) {
+  Worker* worker = find(instance);
+  if (!worker) return;
+  worker->present = false;
+  if (++worker->given_back_in_a_row < settings_.most_given_back || !worker->refused.empty()) return;
+  worker->given_up = true;
+  worker->refused = fmt::format("given up: it gave {} leases in a row back, the last one since {}",
+                                worker->given_back_in_a_row, reason);
 }
 
 std::uint64_t WorkerRoster::bad_batch(std::uint64_t instance, const std::string& reason) {

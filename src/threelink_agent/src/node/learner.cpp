@@ -174,6 +174,9 @@ void Learner::on_episodes(const boost::shared_ptr<threelink_msgs::EpisodeBatch>&
     if (is_fault(verdict))
       ROS_WARN("refused a batch of worker %016lx, lease %lu: %s", batch.worker, batch.lease,
                to_string(verdict));
+    if (verdict == Verdict::kGivenBack)
+      ROS_WARN("worker %016lx gave lease %lu back: %s", batch.worker, batch.lease,
+               batch.given_back.c_str());
   });
 }
 

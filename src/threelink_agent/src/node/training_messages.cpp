@@ -37,6 +37,7 @@ void move_batch(From&& from, To& to) {
   to.log_probs = std::move(from.log_probs);
   to.rewards = std::move(from.rewards);
   to.checksum = std::move(from.checksum);
+  to.given_back = std::move(from.given_back);
 }
 
 }  // namespace

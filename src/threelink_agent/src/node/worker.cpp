@@ -53,12 +53,15 @@ void sleep_until(std::chrono::steady_clock::time_point end) {
 
 }  // namespace
 
-Worker::Worker(int threads, double step_cost)
-    : player_(threads),
+Worker::Worker(std::unique_ptr<RolloutSource> source, int threads, const std::string& learner,
+               double step_cost)
+    : player_(std::move(source)),
       step_cost_(step_cost),
       status_(first_status(threads)),
+      node_(learner),
       diagnostics_("worker", "threelink_worker",
                    [this](Diagnostics::Status& status, double s) { report(status, s); }),
+      leases_given_back_(diagnostics_.refusals("leases given back")),
       spinner_(1) {
   // A learner hears of this worker only when it hears its episodes too, so that none gets lost.
   const auto on_connect = [this](const ros::SingleSubscriberPublisher&) { publish_status(); };
@@ -78,7 +81,8 @@ Worker::~Worker() { spinner_.stop(); }
 
 void Worker::publish_status() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (episodes_publisher_.getNumSubscribers() == 0) return;
+  // Who is not heard gets no lease.
+  if (episodes_publisher_.getNumSubscribers() == 0 || !player_.ready()) return;
   threelink_msgs::WorkerStatus message = to_message(status_);
   message.header.stamp = wall_time();
   status_publisher_.publish(message);
@@ -142,6 +146,11 @@ EpisodeBatch Worker::play(const Assignment& assignment) {
 void Worker::hand_in(EpisodeBatch&& batch) {
   const std::uint64_t session = batch.session, lease = batch.lease;
   const std::uint32_t episodes = batch.episodes;
+  const std::string given_back = batch.given_back;
+  if (!given_back.empty()) {
+    ROS_WARN("lease %lu goes back to the learner: %s", lease, given_back.c_str());
+    ++leases_given_back_;
+  }
   auto message = boost::make_shared<threelink_msgs::EpisodeBatch>(to_message(std::move(batch)));
   message->header.stamp = wall_time();
   bool wanted;
@@ -150,13 +159,17 @@ void Worker::hand_in(EpisodeBatch&& batch) {
     wanted = status_.session == session;
     if (wanted) status_.episodes += episodes;
     if (wanted && status_.lease == lease) status_.lease = 0;
+    given_back_ = given_back;
   }
   if (wanted) episodes_publisher_.publish(message);
 }
 
 int Worker::run() {
-  while (threelink_sim::running())
-    if (const auto assignment = next()) hand_in(play(*assignment));
+  try {
+    while (threelink_sim::running())
+      if (const auto assignment = next()) hand_in(play(*assignment));
+  } catch (const Interrupted&) {
+  }
   return threelink_sim::kSuccess;
 }
 
@@ -166,6 +179,10 @@ void Worker::report(Diagnostics::Status& status, double) {
     status.summary(DiagnosticStatus::ERROR, "refused by the learner: " + refused_);
   else if (episodes_publisher_.getNumSubscribers() == 0)
     status.summary(DiagnosticStatus::WARN, "no learner");
+  else if (!given_back_.empty())
+    status.summary(DiagnosticStatus::WARN, "the last lease was given back: " + given_back_);
+  else if (!player_.ready())
+    status.summary(DiagnosticStatus::WARN, "there is nothing to play with");
   else
     status.summary(DiagnosticStatus::OK, status_.lease != 0 ? "playing" : "idle");
   status.add("episodes", status_.episodes);

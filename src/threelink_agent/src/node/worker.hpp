@@ -3,6 +3,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -22,8 +23,10 @@ namespace threelink_agent {
 // It holds one lease at most, and nothing that would be missed: it can be killed at any moment.
 class Worker {
  public:
-  // step_cost [us] of sleep for each environment step, for tests of scaling.
-  Worker(int threads, double step_cost);
+  // source: where its episodes are played, by so many threads; learner: namespace of the learner's
+  // topics; step_cost [us] of sleep for each environment step, for tests of scaling.
+  Worker(std::unique_ptr<RolloutSource> source, int threads, const std::string& learner = "",
+         double step_cost = 0);
   ~Worker();
 
   // Plays until the node has to end.
@@ -45,15 +48,17 @@ class Worker {
   LeasePlayer player_;
   double step_cost_;
 
-  std::mutex mutex_;  // of all down to refused_
+  std::mutex mutex_;  // of all down to given_back_
   std::condition_variable changed_;
   WorkerStatus status_;
   std::string policy_bytes_, policy_;     // the newest, and its sha256
   std::optional<Assignment> assignment_;  // not begun
   std::string refused_;                   // why the learner gives no leases
+  std::string given_back_;                // why the last lease was; empty if it was played
 
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
+  Diagnostics::Counter& leases_given_back_;
   ros::Publisher status_publisher_, episodes_publisher_;
   ros::Subscriber policy_subscriber_, leases_subscriber_;
   ros::SteadyTimer status_timer_;

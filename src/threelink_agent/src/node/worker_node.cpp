@@ -1,4 +1,6 @@
 // Runs the worker node; see worker.hpp.
+#include <memory>
+
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
 #include "worker.hpp"
@@ -30,7 +32,7 @@ int run() {
   const int threads = parameters.integer("threads", {1, 1024}, 1);
   const double step_cost = parameters.real("step_cost", {0, 1e6}, 0);
   parameters.finish();
-  return Worker(threads, step_cost).run();
+  return Worker(std::make_unique<LocalRollouts>(threads), threads, "", step_cost).run();
 }
 
 }  // namespace

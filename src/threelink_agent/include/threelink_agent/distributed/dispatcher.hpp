@@ -19,16 +19,17 @@ enum class Verdict {
   kAccepted,
   kLate,         // of an update that is done, or of a process of the learner that is gone
   kDouble,       // all of it had come already
+  kGivenBack,    // the worker could not play them now
   kNotLeased,    // no such lease was given to that worker
   kWrongPolicy,  // played with another policy than this update's
   kMalformed,    // other episodes, sizes or shapes than leased
   kBadChecksum,
   kNotFinite,
 };
-constexpr int kVerdicts = 8;
+constexpr int kVerdicts = 9;
 const char* to_string(Verdict verdict);  // "accepted", "late", "double", ..
 // Whether the worker is to blame.
-constexpr bool is_fault(Verdict verdict) { return verdict > Verdict::kDouble; }
+constexpr bool is_fault(Verdict verdict) { return verdict > Verdict::kGivenBack; }
 
 struct DispatcherSettings {
   RosterSettings roster;

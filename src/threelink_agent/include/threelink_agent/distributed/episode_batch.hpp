@@ -19,6 +19,7 @@ struct EpisodeBatch {
   std::uint32_t episodes = 0, steps = 0, observation_size = 0, hinges = 0;
   std::vector<float> observations, actions, log_probs, rewards;  // as in Rollout
   std::string checksum;
+  std::string given_back;  // why the lease comes back without its episodes; empty: it was played
 };
 
 // Moves the rollout's numbers and their shape into the batch.

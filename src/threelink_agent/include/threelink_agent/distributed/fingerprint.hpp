@@ -6,7 +6,7 @@
 namespace threelink_agent {
 
 // Of everything that workers and learner say to each other; to be raised with every change of it.
-constexpr unsigned kProtocol = 1;
+constexpr unsigned kProtocol = 2;
 
 // sha256 (64 hex digits) of what a few short episodes of built-in policies give in this process:
 // of three and of five links, in batches and alone. It differs where the bits of training episodes

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "threelink_agent/distributed/episode_batch.hpp"
 #include "threelink_agent/distributed/lease_book.hpp"
@@ -25,8 +27,11 @@ struct Assignment {
 
 class LeasePlayer {
  public:
-  // threads: at least 1; the episodes do not depend on them.
-  explicit LeasePlayer(int threads) : rollouts_(threads) {}
+  // source: where the episodes are played.
+  explicit LeasePlayer(std::unique_ptr<RolloutSource> source) : source_(std::move(source)) {}
+
+  // Whether episodes can be played now, as far as is known.
+  bool ready() { return source_->ready(); }
 
   // The policy file that a learner sent; swimmer, seed and the rest come with it, in its
   // configuration. Throws PolicyError and ConfigError, and keeps the one it has.
@@ -39,11 +44,12 @@ class LeasePlayer {
   static constexpr std::uint32_t kMostEpisodes = 1000000;
 
   // Plays the episodes. Without their policy, or with a number of them that cannot be, the batch is
-  // empty, and will be refused.
+  // empty, and will be refused. If they cannot be played now, it gives the lease back. Throws
+  // Interrupted if the source does.
   EpisodeBatch play(const Assignment& assignment);
 
  private:
-  LocalRollouts rollouts_;
+  std::unique_ptr<RolloutSource> source_;
   std::string yaml_;  // what config_ was read from
   TrainConfig config_;
   std::string policy_;  // sha256 of the policy file's bytes

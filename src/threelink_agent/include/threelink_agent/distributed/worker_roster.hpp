@@ -35,8 +35,9 @@ struct RosterSettings {
   // One that starts anew for the most_restarts-th time within restart_window is given up.
   int most_restarts = 5;
   std::chrono::nanoseconds restart_window = std::chrono::seconds(60);
-  // Likewise one that hands in so many bad batches in a row.
+  // Likewise one that hands in so many bad batches in a row, or gives so many leases back.
   int most_bad_batches = 3;
+  int most_given_back = 10;
 };
 
 class WorkerRoster {
@@ -53,7 +54,7 @@ class WorkerRoster {
     bool overdue = false;     // that lease was lost; it may hold it all the same
     Time leased;
     double speed = 0;  // [episodes/s] of its last leases; 0: not known
-    int bad_in_a_row = 0;
+    int bad_in_a_row = 0, given_back_in_a_row = 0;
     std::deque<Time> restarts;
     // Over all instances of the name.
     std::uint64_t episodes = 0, leases_lost = 0, batches_refused = 0, instances = 0;
@@ -88,6 +89,8 @@ class WorkerRoster {
   void accepted(const Lease& lease, int episodes, Time now);
   void returned(std::uint64_t instance, std::uint64_t session, std::uint64_t lease);
   std::uint64_t bad_batch(std::uint64_t instance, const std::string& reason);
+  // A lease has come back unplayed: the worker gets none before it is heard again.
+  void gave_back(std::uint64_t instance, const std::string& reason);
 
   const std::map<std::string, Worker>& workers() const { return workers_; }
 

@@ -28,6 +28,9 @@ class RolloutSource {
   // Plays that many episodes, from play.first_episode on. They are those of collect(), to the bit,
   // wherever they are played. Throws Interrupted or NoRollout, where that can happen.
   virtual Rollout play(const Play& play, int episodes) = 0;
+
+  // Whether there is any sense in play() now. From any thread, at any time.
+  virtual bool ready() { return true; }
 };
 
 // In this process.
