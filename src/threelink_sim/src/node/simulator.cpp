@@ -130,14 +130,18 @@ void Simulator::act() {
 SwimmerState Simulator::start_state(const threelink_msgs::Reset::Request& request) const {
   const Model& model = config_.environment.model;
   if (request.random_start) return random_start(model, request.seed, lockstep_.episode() + 1);
-  for (double x : request.x_1)
+  const bool centroid = request.from_centroid;
+  const auto& position = centroid ? request.centroid : request.x_1;
+  const double angle = centroid ? request.heading : request.theta_1;
+  for (double x : position)
     if (!(std::abs(x) <= kMaxStart))
-      throw std::invalid_argument(fmt::format("x_1 = ({}, {}): must be within [-{}, {}] L",
-                                              request.x_1[0], request.x_1[1], kMaxStart,
-                                              kMaxStart));
-  if (!(std::abs(request.theta_1) <= kMaxAngle))
-    throw std::invalid_argument(fmt::format("theta_1 = {}: must be within [-{}, {}] rad",
-                                            request.theta_1, kMaxAngle, kMaxAngle));
+      throw std::invalid_argument(fmt::format("{} = ({}, {}): must be within [-{}, {}] L",
+                                              centroid ? "centroid" : "x_1", position[0],
+                                              position[1], kMaxStart, kMaxStart));
+  if (!(std::abs(angle) <= kMaxAngle))
+    throw std::invalid_argument(fmt::format("{} = {}: must be within [-{}, {}] rad",
+                                            centroid ? "heading" : "theta_1", angle, kMaxAngle,
+                                            kMaxAngle));
   HingeVector alpha = HingeVector::Zero(model.hinges());
   if (!request.alpha.empty()) {
     if (request.alpha.size() != static_cast<std::size_t>(model.hinges()))
@@ -145,10 +149,13 @@ SwimmerState Simulator::start_state(const threelink_msgs::Reset::Request& reques
                                               request.alpha.size(), model.links, model.hinges()));
     std::copy(request.alpha.begin(), request.alpha.end(), alpha.data());
   }
-  SwimmerState shape;
-  shape.alpha = alpha;
-  validate(model, shape);
-  return state_from_free_end(model, {request.x_1[0], request.x_1[1]}, request.theta_1, alpha);
+  SwimmerState state;
+  state.alpha = alpha;
+  validate(model, state);
+  if (!centroid) return state_from_free_end(model, {position[0], position[1]}, angle, alpha);
+  state.centroid = {position[0], position[1]};
+  state.heading = angle;
+  return state;
 }
 
 bool Simulator::on_reset(threelink_msgs::Reset::Request& request,

@@ -2,6 +2,7 @@
 #include <string>
 
 #include <ros/master.h>
+#include <ros/names.h>
 #include <ros/this_node.h>
 
 #include "simulator.hpp"
@@ -43,18 +44,19 @@ parameters (config/swimmer.yaml is their manual; defaults in brackets)
   ~peer_timeout [10 s]  ~watchdog_periods [3]  ~display_rate [30 /s]
 )";
 
-// There must be one source of simulation time.
+// There must be one source of simulation time, of each that this one was remapped to.
 void refuse_second_clock() {
+  const std::string clock = ros::names::resolve(topics::kClock);
   XmlRpc::XmlRpcValue request, response, payload;
   request[0] = ros::this_node::getName();
   if (!ros::master::execute("getSystemState", request, response, payload, false)) return;
   XmlRpc::XmlRpcValue& publishers = payload[0];
   for (int i = 0; i < publishers.size(); ++i) {
-    if (static_cast<std::string&>(publishers[i][0]) != topics::kClock) continue;
+    if (static_cast<std::string&>(publishers[i][0]) != clock) continue;
     for (int j = 0; j < publishers[i][1].size(); ++j) {
       const std::string node = publishers[i][1][j];
       if (node != ros::this_node::getName())
-        throw UsageError(std::string(topics::kClock) + " is already published by " + node +
+        throw UsageError(clock + " is already published by " + node +
                          ", and there can be one source of time only; end that node (if it is"
                          " dead: rosnode cleanup)");
     }

@@ -29,17 +29,11 @@ constexpr double kRecordingTimeout = 60;   // [s] for the bag and the picture of
 constexpr double kLastWordsTimeout = 1.5;  // [s] for anything once the node has to end
 constexpr double kPathPeriod = 0.05;       // [s] wall time, of target_path
 
-// The simulator reports silent peers after its peer_timeout; it is silent itself if nothing has
-// come for longer than that and than any pace explains.
-double silence_limit(const threelink_sim::SimulatorConfig& simulator) {
-  return simulator.peer_timeout + simulator.watchdog() + simulator.step_period() + 2;
-}
-
 }  // namespace
 
 TaskPlayer::TaskPlayer(const PlayerConfig& config)
     : config_(config),
-      silence_limit_(silence_limit(config.simulator)),
+      silence_limit_(config.simulator.silence_limit()),
       diagnostics_("task", "threelink_task",
                    [this](threelink_sim::Diagnostics::Status& status, double seconds) {
                      report(status, seconds);

@@ -26,6 +26,9 @@ struct SimulatorConfig {
   // [s] wall time: watchdog_periods of the longer of the two, so that a simulation that runs faster
   // than real time does not trip over the jitter of the machine.
   double watchdog() const { return watchdog_periods * std::max(step_time(), step_period()); }
+  // [s] wall time. The simulator reports silent peers after its peer_timeout; it is silent itself
+  // if nothing has come for longer than that and than its pace explains.
+  double silence_limit() const { return peer_timeout + watchdog() + step_period() + 2; }
   Lockstep::Config lockstep() const;
 };
 
