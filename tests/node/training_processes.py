@@ -17,8 +17,8 @@ CONFIG = os.path.join(os.path.dirname(os.path.realpath(__file__)),
                       "..", "..", "config", "train_vfs.yaml")
 
 
-def program(name):
-    return roslib.packages.find_node("threelink_agent", name)[0]
+def program(name, package="threelink_agent"):
+    return roslib.packages.find_node(package, name)[0]
 
 
 def write_config(path, **settings):
@@ -103,10 +103,11 @@ class TrainingTestCase(unittest.TestCase):
         self.processes.append(Process(command, **environment))
         return self.processes[-1]
 
-    def node(self, kind, name, environment=None, **parameters):
+    def node(self, kind, name, environment=None, package="threelink_agent", remap=(),
+             **parameters):
         if rospy.has_param("/threelink/" + name):
             rospy.delete_param("/threelink/" + name)  # of the one before
-        return self.start([program(kind), "__ns:=threelink", "__name:=" + name] +
+        return self.start([program(kind, package), "__ns:=threelink", "__name:=" + name, *remap] +
                           ["_%s:=%s" % item for item in parameters.items()],
                           **(environment or {}))
 
@@ -122,11 +123,11 @@ class TrainingTestCase(unittest.TestCase):
         with open(os.path.join(self.folder, out, "last.safetensors"), "rb") as file:
             return file.read()
 
-    def in_process(self):
+    def in_process(self, *arguments):
         """The policy that `train` gives."""
         out = os.path.join(self.folder, "in_process")
-        subprocess.run([program("train"), "--config", self.config, "--out", out, "--no-plot"],
-                       check=True, stdout=subprocess.DEVNULL, timeout=60)
+        subprocess.run([program("train"), "--config", self.config, "--out", out, "--no-plot",
+                        *arguments], check=True, stdout=subprocess.DEVNULL, timeout=60)
         return self.policy_of("in_process")
 
     def rows(self, out="run"):

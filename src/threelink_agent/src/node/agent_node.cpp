@@ -1,11 +1,14 @@
 // Runs the agent node; see agent.hpp.
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "agent.hpp"
+#include "live_loop.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
+#include "worker.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -28,11 +31,35 @@ parameters
   ~seed         with episode and step it keys what is drawn [0]
 
 A policy that is damaged or for another swimmer is refused, and the one in use stays.
+
+With ~collect it plays training episodes for a learner instead, whatever swimmer answers on these
+topics, and takes the part of the task as well: it subscribes to state and abort, publishes target
+and episode, calls reset, and is a worker of the learner (see worker_node --help).
+  ~collect          [false]; ~policy, ~sampled and ~seed then come from the learner
+  ~learner          namespace of the learner's topics []
+  ~simulator        node whose parameters say what swimmer there is [simulator]
+  ~exact            the episodes must be those of any other worker, to the bit; false: a robot [true]
+  ~start_tolerance  [rad] of each hinge angle at the start, if not exact [0.05]
+  ~reset_timeout    [s] until reset has to answer [10]
+
 docs/nodes.md has the details, docs/learning.md the format of the file.
 )";
 
+int collect(threelink_sim::Parameters& parameters) {
+  const std::string learner = parameters.text("learner", "");
+  LiveLoopConfig config;
+  config.simulator = parameters.text("simulator", "simulator");
+  config.exact = parameters.flag("exact", true);
+  config.start_tolerance = parameters.real("start_tolerance", {0, 10}, 0.05);
+  config.reset_timeout = parameters.real("reset_timeout", {0.1, 1e5}, 10);
+  parameters.finish();
+  constexpr int kThreads = 1;
+  return Worker(std::make_unique<LiveLoop>(config), kThreads, learner).run();
+}
+
 int run() {
   threelink_sim::Parameters parameters{ros::NodeHandle("~")};
+  if (parameters.flag("collect", false)) return collect(parameters);
   const std::string path = parameters.text("policy");
   const bool sampled = parameters.flag("sampled", false);
   const int seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);

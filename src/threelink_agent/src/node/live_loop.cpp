@@ -1,0 +1,293 @@
+#include "live_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <utility>
+
+#include <fmt/format.h>
+#include <ros/names.h>
+#include <ros/param.h>
+#include <ros/service_client.h>
+
+#include "threelink_sim/node/node_main.hpp"
+#include "threelink_sim/node/parameters.hpp"
+#include "threelink_sim/node/topics.hpp"
+
+namespace threelink_agent {
+namespace {
+
+namespace topics = threelink_sim::topics;
+using diagnostic_msgs::DiagnosticStatus;
+using threelink_msgs::Episode;
+using namespace std::chrono_literals;
+
+constexpr double kFarAway = 1000;  // [L] the target, whose direction then never changes
+
+double heading_of(const threelink_msgs::SwimmerState& state) {
+  return state.theta[state.theta.size() / 2];
+}
+
+}  // namespace
+
+LiveLoop::LiveLoop(const LiveLoopConfig& config)
+    : config_(config),
+      simulator_{},
+      diagnostics_("live loop", "threelink_live_loop",
+                   [this](Diagnostics::Status& status, double s) { report(status, s); }),
+      played_(diagnostics_.counter("episodes played")),
+      episodes_given_up_(diagnostics_.refusals("episodes given up")),
+      refused_states_(diagnostics_.refusals("state refused: stale")),
+      refused_observations_(diagnostics_.refusals("observation refused: stale")) {
+  constexpr bool kLatch = true;
+  target_.header.frame_id = threelink_sim::frames::kWorld;
+  target_publisher_ = node_.advertise<geometry_msgs::PointStamped>(topics::kTarget, 10, kLatch);
+  rates_publisher_ = node_.advertise<threelink_msgs::HingeRates>(topics::kHingeRates, 10, kLatch);
+  episode_publisher_ = node_.advertise<Episode>(topics::kEpisode, 10, kLatch);
+  const auto hints = ros::TransportHints().tcpNoDelay();
+  ros::NodeHandle direct_node;
+  direct_node.setCallbackQueue(&direct_queue_);
+  state_subscriber_ = direct_node.subscribe(topics::kState, 100, &LiveLoop::on_state, this, hints);
+  observation_subscriber_ =
+      direct_node.subscribe(topics::kObservation, 100, &LiveLoop::on_observation, this, hints);
+  abort_subscriber_ = node_.subscribe(topics::kAbort, 10, &LiveLoop::on_abort, this);
+}
+
+bool LiveLoop::ready() {
+  return state_subscriber_.getNumPublishers() > 0 &&
+         observation_subscriber_.getNumPublishers() > 0 &&
+         target_publisher_.getNumSubscribers() > 0 && rates_publisher_.getNumSubscribers() > 0;
+}
+
+Rollout LiveLoop::play(const Play& play, int episodes) {
+  check_swimmer(play);
+  Rollout rollout(play.environment, episodes);
+  rates_.rates.resize(rollout.hinges);
+  for (int i = 0; i < episodes; ++i) play_episode(play, i, rollout);
+  return rollout;
+}
+
+// The swimmer may have been started anew, with other parameters.
+void LiveLoop::check_swimmer(const Play& play) {
+  const std::string name = ros::names::resolve(config_.simulator);
+  if (!ros::param::has(name))
+    throw NoRollout(fmt::format("there are no parameters of a node {} (~simulator)", name));
+  try {
+    threelink_sim::Parameters parameters{ros::NodeHandle(name)};
+    simulator_ = threelink_sim::read_simulator_config(parameters);
+  } catch (const threelink_sim::UsageError& error) {
+    throw NoRollout(error.what());
+  }
+  const threelink_sim::EnvironmentConfig& is = simulator_.environment;
+  const threelink_sim::EnvironmentConfig& wanted = play.environment;
+  const auto check = [&](const char* parameter, double value, double other) {
+    if (value != other)
+      throw NoRollout(fmt::format("{}/{} is {}, and must be {}", name, parameter, value, other));
+  };
+  check("links", is.model.links, wanted.model.links);
+  check("gamma", is.model.gamma, wanted.model.gamma);
+  check("joint_limit", is.model.joint_limit, wanted.model.joint_limit);
+  check("dt", is.dt, wanted.dt);
+  check("reward_b", is.b, wanted.b);
+  check("reward_c", is.c, wanted.c);
+  if (config_.exact) check("length_scale", simulator_.scales.length, 1);  // else it rounds targets
+}
+
+void LiveLoop::play_episode(const Play& play, int i, Rollout& rollout) {
+  const threelink_sim::SwimmerState start = start_of(play, i);
+  const threelink_msgs::SwimmerState found = reset(start);
+  try {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      description_ = Episode();
+      description_.episode = found.episode;
+      description_.task = "training";
+      description_.seed = play.seed;
+      description_.config =
+          fmt::format("task:\n  name: training\n  episode: {}\n", play.first_episode + i);
+      given_up_.clear();
+      take_start(start, found);
+      episode_.emplace(play, i, rollout);
+      publish_episode(Episode::STARTED);
+      answer(found);
+    }
+    wait_for_the_end();
+    if (config_.exact) {
+      const std::string difference = difference_from_collect(play, rollout, i);
+      if (!difference.empty())
+        throw NoRollout(fmt::format(
+            "episode {} is not that of this process: {}; is the simulator another build, or "
+            "without fused multiply-adds? (on a robot: ~exact false)",
+            play.first_episode + i, difference));
+    }
+  } catch (const std::exception& error) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    episode_.reset();
+    ++episodes_given_up_;
+    given_up_ = error.what();
+    publish_episode(Episode::ABORTED, given_up_);
+    throw;
+  }
+  ++played_;
+}
+
+threelink_msgs::SwimmerState LiveLoop::reset(const threelink_sim::SwimmerState& start) {
+  threelink_msgs::Reset service;
+  service.request.from_centroid = true;
+  service.request.centroid = {start.centroid.x(), start.centroid.y()};
+  service.request.heading = start.heading;
+  service.request.alpha.assign(start.alpha.data(), start.alpha.data() + start.alpha.size());
+  if (!reset_.isValid()) {
+    constexpr bool kPersistent = true;
+    reset_ = node_.serviceClient<threelink_msgs::Reset>(topics::kReset, kPersistent);
+  }
+  // roscpp waits for an answer without end, unless the connection breaks.
+  auto answered = std::async(std::launch::async, [&] { return reset_.call(service); });
+  const auto deadline = Clock::now() + std::chrono::duration<double>(config_.reset_timeout);
+  while (answered.wait_for(50ms) != std::future_status::ready)
+    if (!threelink_sim::running() || Clock::now() > deadline) reset_.shutdown();
+  if (!threelink_sim::running()) throw Interrupted();
+  if (!answered.get()) {
+    reset_ = {};  // it may believe in a connection that is broken
+    throw NoRollout(fmt::format("the service {} did not answer{}",
+                                node_.resolveName(topics::kReset),
+                                Clock::now() > deadline ? " in time (~reset_timeout)" : ""));
+  }
+  if (!service.response.success)
+    throw NoRollout("the swimmer was not reset: " + service.response.status);
+  return service.response.state;
+}
+
+void LiveLoop::take_start(const threelink_sim::SwimmerState& demanded,
+                          const threelink_msgs::SwimmerState& found) {
+  if (found.alpha.size() != static_cast<std::size_t>(demanded.alpha.size()) ||
+      found.theta.size() != found.alpha.size() + 1)
+    throw NoRollout(fmt::format("state 0 has {} hinge angles and {} links, and must have {} and {}",
+                                found.alpha.size(), found.theta.size(), demanded.alpha.size(),
+                                demanded.alpha.size() + 1));
+  const double tolerance = config_.exact ? 0 : config_.start_tolerance;
+  for (std::size_t j = 0; j < found.alpha.size(); ++j)
+    if (!(std::abs(found.alpha[j] - demanded.alpha[j]) <= tolerance))
+      throw NoRollout(fmt::format("alpha_{} at the start is {}, and must be within {} of {}", j + 1,
+                                  found.alpha[j], tolerance, demanded.alpha[j]));
+  if (config_.exact && heading_of(found) != demanded.heading)
+    throw NoRollout(fmt::format("the heading at the start is {}, and must be {}", heading_of(found),
+                                demanded.heading));
+  const double turn = heading_of(found) - demanded.heading;
+  to_target_ = kFarAway * Eigen::Vector2d(std::cos(turn), std::sin(turn));
+}
+
+void LiveLoop::wait_for_the_end() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (
+      !changed_.wait_for(lock, 50ms, [this] { return episode_->done() || !given_up_.empty(); })) {
+    const double silence = std::chrono::duration<double>(Clock::now() - heard_).count();
+    if (!threelink_sim::running()) throw Interrupted();
+    if (!ready())
+      give_up("the swimmer is gone: its topics have lost their connections");
+    else if (silence > simulator_.silence_limit())
+      give_up(fmt::format("nothing after step {} in {:.1f} s: the swimmer is silent",
+                          episode_->step(), silence));
+  }
+  if (!given_up_.empty()) throw NoRollout(given_up_);
+  episode_.reset();
+  publish_episode(Episode::TIMED_OUT);
+}
+
+void LiveLoop::on_state(const threelink_msgs::SwimmerState& state) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!episode_ || !given_up_.empty()) return;
+  if (state.episode != description_.episode) {
+    ++refused_states_;
+    return;
+  }
+  // State 0 comes with the service's answer, too.
+  if (state.step > 0) answer(state);
+}
+
+void LiveLoop::answer(const threelink_msgs::SwimmerState& state) {
+  const auto verdict = episode_->state(state.step, state.alpha, state.hinge_rates, state.reward);
+  if (verdict == LiveEpisode::Verdict::kStale) ++refused_states_;
+  if (!accept(verdict, "state", state.step)) return;
+  ++steps_;
+  description_.header = state.header;
+  description_.step = state.step;
+  target_.header.stamp = state.header.stamp;
+  target_.point.x = (state.centroid[0] + to_target_.x()) * simulator_.scales.length;
+  target_.point.y = (state.centroid[1] + to_target_.y()) * simulator_.scales.length;
+  target_publisher_.publish(target_);
+}
+
+void LiveLoop::on_observation(const threelink_msgs::Observation& observation) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!episode_ || !given_up_.empty()) return;
+  if (observation.episode != description_.episode) {
+    ++refused_observations_;
+    return;
+  }
+  if (observation.kind != threelink_msgs::Observation::DIRECTION) {
+    give_up(fmt::format("observation \"{}\", and must be \"{}\"", observation.kind,
+                        threelink_msgs::Observation::DIRECTION));
+    return;
+  }
+  const auto verdict = episode_->observation(observation.step, observation.values);
+  if (verdict == LiveEpisode::Verdict::kStale) ++refused_observations_;
+  if (!accept(verdict, "observation", observation.step)) return;
+  if (episode_->done()) {
+    changed_.notify_one();
+    return;
+  }
+  rates_.header.stamp = observation.header.stamp;
+  rates_.header.frame_id = observation.header.frame_id;
+  rates_.episode = observation.episode;
+  rates_.step = observation.step;
+  std::copy(episode_->rates().begin(), episode_->rates().end(), rates_.rates.begin());
+  rates_publisher_.publish(rates_);
+}
+
+bool LiveLoop::accept(LiveEpisode::Verdict verdict, const char* what, std::uint64_t step) {
+  using Verdict = LiveEpisode::Verdict;
+  if (verdict == Verdict::kAccepted) heard_ = Clock::now();
+  if (verdict == Verdict::kFuture)
+    give_up(fmt::format("{} {} came after step {}: a step was missed, or taken without an answer",
+                        what, step, episode_->step()));
+  if (verdict == Verdict::kMalformed)
+    give_up(
+        fmt::format("{} {} has a wrong number of values, or one that is out of range", what, step));
+  if (verdict == Verdict::kNotOurs)
+    give_up(
+        fmt::format("the step to {} {} was taken with other rates than demanded: was the "
+                    "answer late?",
+                    what, step));
+  return verdict == Verdict::kAccepted;
+}
+
+void LiveLoop::on_abort(const threelink_msgs::EpisodeAbort& message) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (episode_ && message.episode == description_.episode) give_up(message.reason);
+}
+
+void LiveLoop::give_up(const std::string& reason) {
+  if (given_up_.empty()) given_up_ = reason;
+  changed_.notify_one();
+}
+
+void LiveLoop::publish_episode(std::uint8_t status, const std::string& reason) {
+  description_.status = status;
+  description_.reason = reason;
+  episode_publisher_.publish(description_);
+}
+
+void LiveLoop::report(Diagnostics::Status& status, double seconds) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!given_up_.empty())
+    status.summary(DiagnosticStatus::WARN, "the last episode was given up: " + given_up_);
+  else
+    status.summary(DiagnosticStatus::OK, episode_ ? "playing" : "idle");
+  status.add("episode", description_.episode);
+  status.add("step", description_.step);
+  status.addf("steps per second", "%.1f", steps_ / seconds);
+  steps_ = 0;
+}
+
+}  // namespace threelink_agent

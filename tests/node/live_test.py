@@ -1,0 +1,106 @@
+#!/usr/bin/python3
+"""The loop over topics as a worker: its episodes are those of one process, or are not handed in."""
+import signal
+import sys
+
+import rospy
+import rostest
+
+from training_processes import TrainingTestCase, small_config
+from waiting import wait
+
+
+class LiveTest(TrainingTestCase):
+    def setUp(self):
+        super().setUp()
+        self.simulators = []
+        small_config(self.config, episodes=60)  # 3,000 steps
+
+    def simulator(self, **parameters):
+        """A simulator that goes as fast as it can, with times and tf of its own."""
+        given = {"realtime_factor": 0.0, "peer_timeout": 1.0, "display_rate": 1.0}
+        return self.node("simulator_node", "simulator", package="threelink_sim",
+                         remap=["/clock:=clock", "/tf:=tf"], **{**given, **parameters})
+
+    def agent(self, name="agent", **parameters):
+        return self.node("agent_node", name, collect="true", **parameters)
+
+    def test_the_loop_alone_gives_the_policy_of_one_process(self):
+        expected = self.in_process()
+        learner = self.learner()
+        self.agent()
+        self.simulator()
+        self.finish(learner)
+        self.assertEqual(self.policy_of(), expected)
+        self.assertEqual({status.name for status in self.workers}, {"/threelink/agent"})
+
+    def test_beside_an_ordinary_worker(self):
+        expected = self.in_process()
+        self.simulator()
+        self.agent()
+        learner = self.learner()
+        self.worker("worker_1", step_cost=300)  # about as fast
+        self.finish(learner)
+        self.assertEqual(self.policy_of(), expected)
+        self.assertEqual(len({batch.worker for batch in self.batches if not batch.given_back}), 2)
+
+    def test_the_simulator_is_killed_and_comes_back(self):
+        expected = self.in_process()
+        learner = self.learner()
+        agent = self.agent()
+        simulator = self.simulator()
+        for _ in range(2):
+            self.wait_for_update(self.updates() + 2)
+            simulator.kill()
+            self.assertTrue(wait(lambda: any(batch.given_back for batch in self.batches)),
+                            self.output())
+            self.batches.clear()
+            simulator = self.simulator()
+        self.finish(learner)
+        self.assertEqual(self.policy_of(), expected)
+        self.assertIn("goes back to the learner", agent.text())
+        self.assertIn("gave lease", learner.text())
+
+    def test_a_simulator_that_hangs_loses_its_episode(self):
+        expected = self.in_process()
+        learner = self.learner()
+        agent = self.agent(reset_timeout=2.0)
+        simulator = self.simulator(peer_timeout=0.1)
+        self.wait_for_update(2)
+        simulator.process.send_signal(signal.SIGSTOP)
+        self.assertTrue(wait(lambda: "goes back to the learner" in agent.text()), self.output())
+        simulator.process.send_signal(signal.SIGCONT)
+        self.finish(learner)
+        self.assertEqual(self.policy_of(), expected)
+
+    def test_another_swimmer_is_refused_with_the_reason(self):
+        expected = self.in_process()
+        learner = self.learner()
+        agent = self.agent()
+        simulator = self.simulator(reward_c=3.0)
+        reason = "simulator/reward_c is 3, and must be 0"
+        self.assertTrue(wait(lambda: reason in agent.text() and reason in learner.text()),
+                        self.output())
+        self.assertTrue(wait(lambda: self.diagnostics.get("batches given back", "0") != "0"))
+        self.assertEqual(self.rows(), 0)
+        simulator.kill()
+        self.simulator()
+        self.finish(learner)
+        self.assertEqual(self.policy_of(), expected)
+
+    def test_steps_that_were_taken_without_an_answer_are_not_handed_in(self):
+        learner = self.learner(episodes=10)
+        # The watchdog trips before any agent can answer.
+        simulator = self.simulator(realtime_factor=1e4, watchdog_periods=1.0, time_scale=0.001)
+        agent = self.agent()
+        self.assertTrue(wait(lambda: "goes back to the learner" in agent.text()), self.output())
+        self.assertEqual(self.rows(), 0)
+        simulator.kill()
+        self.simulator()
+        self.finish(learner)
+        self.assertEqual(self.policy_of(), self.in_process("--episodes", "10"))
+
+
+if __name__ == "__main__":
+    rospy.init_node("live_test")
+    rostest.rosrun("threelink_tests", "live", LiveTest, sys.argv)
