@@ -260,6 +260,49 @@ TEST_F(AgentTest, GoesOnWithThePoliciesOfTheLearner) {
   expect_in_use(policy);
 }
 
+TEST_F(AgentTest, FollowsATrainingFromEpisodeToEpisode) {
+  node_.deleteParam("agent");  // of the nodes before
+  agent_ = std::make_unique<AgentProcess>("_follow:=true", file("log"));
+  ASSERT_TRUE(wait([&] { return policy_publisher_.getNumSubscribers() == 1; }));
+  threelink_msgs::PolicyWeights weights;
+  const auto publish = [&](const Policy& policy) {
+    ++weights.version;
+    weights.data.assign(policy.serialize().begin(), policy.serialize().end());
+    policy_publisher_.publish(weights);
+  };
+  const auto observe = [&](std::uint32_t episode, const Policy& policy) {
+    Observation message = observation({0.6, 0.8, 0.3, -0.2});
+    message.episode = episode;
+    observation_publisher_.publish(message);
+    ASSERT_TRUE(wait([&] { return !answers_.empty() && answers_.back().step == message.step; }));
+    EXPECT_EQ(answers_.back().policy, policy.id());
+  };
+  weights.data = {1, 2, 3};
+  policy_publisher_.publish(weights);  // it waits for a sound one
+  const Policy first = random_policy(3);
+  publish(first);
+  ASSERT_TRUE(wait([&] { return diagnostic("policy sha256") == first.sha256(); }));
+  observe(1, first);
+  const Policy second = random_policy(4), third = random_policy(5);
+  publish(second);
+  publish(third);
+  ASSERT_TRUE(wait([&] { return diagnostic("policies loaded") != "0"; }));
+  observe(1, first);  // to its end
+  std::uint32_t episode = 1;
+  ASSERT_TRUE(wait([&] {
+    Observation message = observation({0.6, 0.8, 0.3, -0.2});
+    message.episode = ++episode;
+    observation_publisher_.publish(message);
+    return answers_.back().policy == third.id();
+  }));
+  weights.data[weights.data.size() / 2] ^= 4;
+  policy_publisher_.publish(weights);
+  ASSERT_TRUE(wait([&] { return diagnostic("policies refused") == "1"; }));
+  observe(episode + 1, third);
+  agent_->end(SIGTERM);
+  node_.deleteParam("agent");
+}
+
 TEST_F(AgentTest, LoadsFilesAndKeepsTheOldPolicyIfTheyAreUnsound) {
   start(random_policy(6));
   const Policy policy = random_policy(7);

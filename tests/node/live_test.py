@@ -1,11 +1,14 @@
 #!/usr/bin/python3
 """The loop over topics as a worker: its episodes are those of one process, or are not handed in."""
+import os
 import signal
 import sys
 
 import rospy
 import rostest
+from threelink_msgs.msg import HingeRates
 
+from toy_robot import ToyRobot
 from training_processes import TrainingTestCase, small_config
 from waiting import wait
 
@@ -13,7 +16,6 @@ from waiting import wait
 class LiveTest(TrainingTestCase):
     def setUp(self):
         super().setUp()
-        self.simulators = []
         small_config(self.config, episodes=60)  # 3,000 steps
 
     def simulator(self, **parameters):
@@ -28,7 +30,13 @@ class LiveTest(TrainingTestCase):
     def test_the_loop_alone_gives_the_policy_of_one_process(self):
         expected = self.in_process()
         learner = self.learner()
-        self.agent()
+        agent = self.agent()
+        simulator = self.simulator(reward_c=3.0)  # another swimmer than the training's
+        reason = "simulator/reward_c is 3, and must be 0"
+        self.assertTrue(wait(lambda: reason in agent.text() and reason in learner.text()),
+                        self.output())
+        self.assertEqual(self.rows(), 0)
+        simulator.kill()
         self.simulator()
         self.finish(learner)
         self.assertEqual(self.policy_of(), expected)
@@ -73,32 +81,40 @@ class LiveTest(TrainingTestCase):
         self.finish(learner)
         self.assertEqual(self.policy_of(), expected)
 
-    def test_another_swimmer_is_refused_with_the_reason(self):
-        expected = self.in_process()
-        learner = self.learner()
+    def test_a_robot_needs_no_more_than_the_topics(self):
+        robot = ToyRobot("/threelink/", start_error=0.02)
+        self.addCleanup(robot.end)
+        learner = self.learner(episodes=20)
         agent = self.agent()
-        simulator = self.simulator(reward_c=3.0)
-        reason = "simulator/reward_c is 3, and must be 0"
-        self.assertTrue(wait(lambda: reason in agent.text() and reason in learner.text()),
-                        self.output())
-        self.assertTrue(wait(lambda: self.diagnostics.get("batches given back", "0") != "0"))
+        self.assertTrue(wait(lambda: "alpha_1 at the start is" in agent.text()), self.output())
+        agent.kill()
+        agent = self.agent(exact="false", start_tolerance=0.01)
+        self.assertTrue(wait(lambda: "must be within 0.01 of" in agent.text()), self.output())
         self.assertEqual(self.rows(), 0)
-        simulator.kill()
-        self.simulator()
+        agent.kill()
+        agent = self.agent(exact="false")
         self.finish(learner)
-        self.assertEqual(self.policy_of(), expected)
+        self.assertEqual(agent.text(), "")
+        # It was shown the headings that the training asks for.
+        self.assertNotEqual(self.policy_of(), self.in_process("--episodes", "20"))
+        played = [batch for batch in self.batches if not batch.given_back]
+        self.assertEqual(sum(batch.episodes for batch in played), 20)
+        self.assertGreater(max(played[0].rewards), 0)
 
-    def test_steps_that_were_taken_without_an_answer_are_not_handed_in(self):
-        learner = self.learner(episodes=10)
-        # The watchdog trips before any agent can answer.
-        simulator = self.simulator(realtime_factor=1e4, watchdog_periods=1.0, time_scale=0.001)
-        agent = self.agent()
-        self.assertTrue(wait(lambda: "goes back to the learner" in agent.text()), self.output())
-        self.assertEqual(self.rows(), 0)
-        simulator.kill()
-        self.simulator()
-        self.finish(learner)
-        self.assertEqual(self.policy_of(), self.in_process("--episodes", "10"))
+    def test_a_launch_with_loop_and_watchers_gives_the_policy_of_one_process(self):
+        expected = self.in_process("--episodes", "300")
+        watched = []
+        topic = rospy.Subscriber("/threelink/watch/hinge_rates", HingeRates, watched.append)
+        self.addCleanup(topic.unregister)
+        launch = self.start(["roslaunch", "threelink_tasks", "train.launch", "workers:=0",
+                             "live:=true", "watch:=true", "rviz:=false", "episodes:=300",
+                             "config:=" + self.config, "out:=" + os.path.join(self.folder, "run")])
+        self.finish(launch, seconds=60)
+        self.assertEqual(self.policy_of(), expected)
+        self.assertEqual({status.name for status in self.workers}, {"/threelink/live/agent"})
+        self.assertGreater(len(watched), 0)
+        self.assertEqual({len(rates.policy) for rates in watched}, {16})
+        rospy.delete_param("/use_sim_time")
 
 
 if __name__ == "__main__":

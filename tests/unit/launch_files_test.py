@@ -29,9 +29,10 @@ def load(path, **arguments):
 class LaunchFilesTest(unittest.TestCase):
     def test_there_are_some(self):
         names = {os.path.basename(path) for path in FILES}
-        self.assertLessEqual({"click.launch", "playback.launch", "pursuit.launch", "star.launch",
-                              "task.launch", "train.launch", "train_cluster.launch", "view.launch",
-                              "waypoints.launch", "workers.launch"}, names)
+        self.assertLessEqual({"click.launch", "live.launch", "playback.launch", "pursuit.launch",
+                              "star.launch", "task.launch", "train.launch", "train_cluster.launch",
+                              "view.launch", "watch.launch", "waypoints.launch",
+                              "workers.launch"}, names)
 
     def test_every_file_loads_and_every_node_exists(self):
         for path in FILES:
@@ -142,6 +143,25 @@ class LaunchFilesTest(unittest.TestCase):
             self.assertNotIn("ROS_IP", dict(node.env_args))
         config = load(path, out="a", hosts="pc2")
         self.assertEqual(os.access(config.machines["pc2"].env_loader, os.X_OK), True)
+
+    def test_train_starts_a_loop_and_watchers_if_wanted(self):
+        path = os.path.join(FOLDER, "train.launch")
+        config = load(path, out="/b", workers="0", live="true")
+        self.assertEqual({node.namespace + node.name for node in config.nodes},
+                         {"/threelink/learner", "/threelink/live/agent",
+                          "/threelink/live/simulator"})
+        self.assertEqual(config.params["/threelink/live/agent/exact"].value, True)
+        config = load(path, out="/b", workers="0", watch="true")
+        self.assertEqual({node.name for node in config.nodes}, {
+            "learner", "simulator", "robot_state_publisher", "agent", "task", "rviz"})
+        for node in config.nodes:  # no watcher can end the training
+            self.assertEqual(node.required, node.name == "learner")
+        config = load(path, out="/b", workers="0", watch="true", rviz="false")
+        self.assertNotIn("rviz", {node.name for node in config.nodes})
+        config = load(os.path.join(FOLDER, "live.launch"), robot="true", name="robot")
+        self.assertEqual({node.namespace + node.name for node in config.nodes},
+                         {"/threelink/robot/agent"})
+        self.assertEqual(config.params["/threelink/robot/agent/exact"].value, False)
 
     def test_a_task_may_bring_its_own_parameters(self):
         os.environ["PWD"] = os.path.dirname(os.path.realpath(__file__))

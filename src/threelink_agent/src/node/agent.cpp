@@ -32,10 +32,10 @@ bool same_swimmer(const Policy& a, const Policy& b) {
 
 }  // namespace
 
-Agent::Agent(Policy policy, const std::string& source, std::optional<std::uint64_t> seed)
-    : policy_(std::move(policy)),
+Agent::Agent(Policy policy, const std::string& source, const AgentConfig& config)
+    : config_(config),
+      policy_(std::move(policy)),
       source_(source),
-      seed_(seed),
       diagnostics_("policy", "threelink_agent",
                    [this](Diagnostics::Status& status, double s) { report(status, s); }),
       wrong_kind_(diagnostics_.refusals("observation refused: wrong kind")),
@@ -54,19 +54,29 @@ Agent::Agent(Policy policy, const std::string& source, std::optional<std::uint64
       direct_node.subscribe(topics::kObservation, 100, &Agent::on_observation, this, hints);
   policy_subscriber_ = node_.subscribe(topics::kPolicy, 1, &Agent::on_policy, this);
   load_server_ = node_.advertiseService(topics::kLoadPolicy, &Agent::on_load, this);
+  if (config_.follow)
+    follow_timer_ =
+        node_.createSteadyTimer(ros::WallDuration(0.1), [this](const ros::SteadyTimerEvent&) {
+          if (const auto weights = std::exchange(newest_, nullptr)) load(*weights);
+        });
   ROS_INFO("policy %s from %s", policy_.id().c_str(), source_.c_str());
 }
 
 void Agent::on_observation(const threelink_msgs::Observation& observation) {
   const auto begin = std::chrono::steady_clock::now();
   std::lock_guard<std::mutex> lock(mutex_);
+  if (next_ && observation.episode != rates_.episode) {
+    put_in_use(std::move(next_->policy), next_->source);
+    next_.reset();
+  }
   if (!acceptable(observation)) return;
   rates_.header.stamp = observation.header.stamp;
   rates_.header.frame_id = observation.header.frame_id;
   rates_.episode = observation.episode;
   rates_.step = observation.step;
-  if (seed_) {
-    const ActionKey key{*seed_, observation.episode, static_cast<std::uint32_t>(observation.step)};
+  if (config_.seed) {
+    const ActionKey key{*config_.seed, observation.episode,
+                        static_cast<std::uint32_t>(observation.step)};
     policy_.sample(observation.values.data(), key, rates_.rates.data());
   } else {
     policy_.act(observation.values.data(), rates_.rates.data());
@@ -112,9 +122,10 @@ bool Agent::replace(const std::string& source, Load load, std::string& status) {
     if (!same_swimmer(policy, policy_))
       throw PolicyError(fmt::format("{}: it is for {}; the one in use is for {}", source,
                                     swimmer(policy), swimmer(policy_)));
-    policy_ = std::move(policy);
-    source_ = source;
-    rates_.policy = policy_.id();
+    if (config_.follow)
+      next_ = Successor{std::move(policy), source};
+    else
+      put_in_use(std::move(policy), source);
   } catch (const PolicyError& error) {
     ++refused_policies_;
     refused_policy_ = error.what();
@@ -125,12 +136,26 @@ bool Agent::replace(const std::string& source, Load load, std::string& status) {
   }
   ++loaded_policies_;
   refused_policy_.clear();
-  status = fmt::format("policy {} from {} is in use", policy_.id(), source_);
-  ROS_INFO("%s", status.c_str());
+  status = config_.follow ? source + " is in use from the next episode on"
+                          : fmt::format("policy {} from {} is in use", policy_.id(), source_);
   return true;
 }
 
-void Agent::on_policy(const threelink_msgs::PolicyWeights& weights) {
+void Agent::put_in_use(Policy policy, const std::string& source) {
+  policy_ = std::move(policy);
+  source_ = source;
+  rates_.policy = policy_.id();
+  ROS_INFO("policy %s from %s is in use", policy_.id().c_str(), source_.c_str());
+}
+
+void Agent::on_policy(const threelink_msgs::PolicyWeights::ConstPtr& weights) {
+  if (config_.follow)
+    newest_ = weights;
+  else
+    load(*weights);
+}
+
+void Agent::load(const threelink_msgs::PolicyWeights& weights) {
   const std::string source = fmt::format("topic {}, version {}", topics::kPolicy, weights.version);
   std::string status;
   replace(

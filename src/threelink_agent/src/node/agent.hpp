@@ -8,6 +8,7 @@
 #include <string>
 
 #include <ros/node_handle.h>
+#include <ros/steady_timer.h>
 #include <threelink_msgs/HingeRates.h>
 #include <threelink_msgs/LoadPolicy.h>
 #include <threelink_msgs/Observation.h>
@@ -20,18 +21,23 @@
 
 namespace threelink_agent {
 
+struct AgentConfig {
+  std::optional<std::uint64_t> seed;  // with one actions are sampled, else the mean is taken
+  bool follow = false;                // new policies play from the next episode on, not at once
+};
+
 class Agent {
  public:
-  // source: where the policy came from, for diagnostics. With a seed, actions are sampled, else the
-  // mean is taken.
-  Agent(Policy policy, const std::string& source, std::optional<std::uint64_t> seed);
+  // source: where the policy came from, for diagnostics.
+  Agent(Policy policy, const std::string& source, const AgentConfig& config);
 
  private:
   using Diagnostics = threelink_sim::Diagnostics;
 
   // Answers without allocating, but for what roscpp does.
   void on_observation(const threelink_msgs::Observation& observation);
-  void on_policy(const threelink_msgs::PolicyWeights& weights);
+  void on_policy(const threelink_msgs::PolicyWeights::ConstPtr& weights);
+  void load(const threelink_msgs::PolicyWeights& weights);
   bool on_load(threelink_msgs::LoadPolicy::Request& request,
                threelink_msgs::LoadPolicy::Response& response);
 
@@ -40,19 +46,28 @@ class Agent {
   // for another swimmer; returns what became of it.
   template <class Load>
   bool replace(const std::string& source, Load load, std::string& status);
+  void put_in_use(Policy policy, const std::string& source);
   void report(Diagnostics::Status& status, double seconds);
 
   // Observations are answered in roscpp's network thread (see direct_queue.hpp), all else in the
   // node's own: this guards what both use, down to rates_.
   std::mutex mutex_;
+  AgentConfig config_;
   Policy policy_;
   std::string source_;
-  std::optional<std::uint64_t> seed_;
+  struct Successor {
+    Policy policy;
+    std::string source;
+  };
+  std::optional<Successor> next_;                     // with the next episode
   std::string refused_observation_, refused_policy_;  // why the last one was; empty if it was not
 
   threelink_msgs::HingeRates rates_;  // filled anew for each observation
   std::uint64_t answers_ = 0;         // since the last report
   Latency latency_;                   // likewise, from callback to published
+
+  // A training publishes many policies a second: one that follows looks at the newest, at times.
+  threelink_msgs::PolicyWeights::ConstPtr newest_;
 
   threelink_sim::DirectQueue direct_queue_;
   ros::NodeHandle node_;
@@ -65,6 +80,7 @@ class Agent {
   ros::Publisher rates_publisher_;
   ros::Subscriber observation_subscriber_, policy_subscriber_;
   ros::ServiceServer load_server_;
+  ros::SteadyTimer follow_timer_;
 };
 
 }  // namespace threelink_agent

@@ -3,11 +3,17 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <ros/callback_queue.h>
+#include <ros/console.h>
 
 #include "agent.hpp"
 #include "live_loop.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
+#include "threelink_sim/node/topics.hpp"
 #include "worker.hpp"
 
 namespace threelink_agent {
@@ -27,6 +33,8 @@ service
   load_policy   threelink_msgs/LoadPolicy       a policy file to go on with
 parameters
   ~policy       path of a policy file, required
+  ~follow       instead of ~policy: wait for the first policy of a learner; later ones play from the
+                next episode on [false]
   ~sampled      draw actions from the policy's distribution instead of taking the mean [false]
   ~seed         with episode and step it keys what is drawn [0]
 
@@ -57,21 +65,44 @@ int collect(threelink_sim::Parameters& parameters) {
   return Worker(std::make_unique<LiveLoop>(config), kThreads, learner).run();
 }
 
+// The first sound policy on the topic; nothing if the node has to end before.
+std::optional<Policy> first_policy(std::string& source) {
+  std::optional<Policy> first;
+  ros::NodeHandle node;
+  using Weights = threelink_msgs::PolicyWeights::ConstPtr;
+  const boost::function<void(const Weights&)> take = [&](const Weights& weights) {
+    source = fmt::format("topic {}, version {}", threelink_sim::topics::kPolicy, weights->version);
+    try {
+      first = Policy::parse({weights->data.begin(), weights->data.end()}, source);
+    } catch (const PolicyError& error) {
+      ROS_ERROR("refused: %s", error.what());
+    }
+  };
+  const ros::Subscriber subscriber = node.subscribe(threelink_sim::topics::kPolicy, 1, take);
+  ROS_INFO("waiting for a policy on %s", subscriber.getTopic().c_str());
+  while (!first && threelink_sim::running())
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
+  return first;
+}
+
 int run() {
   threelink_sim::Parameters parameters{ros::NodeHandle("~")};
   if (parameters.flag("collect", false)) return collect(parameters);
-  const std::string path = parameters.text("policy");
+  AgentConfig config;
+  config.follow = parameters.flag("follow", false);
+  std::string source = config.follow ? "" : parameters.text("policy");
   const bool sampled = parameters.flag("sampled", false);
   const int seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
   parameters.finish();
-  const auto load = [&] {
-    try {
-      return Policy::load(path);
-    } catch (const PolicyError& error) {
-      parameters.refuse("policy", error.what());
-    }
-  };
-  Agent agent(load(), path, sampled ? std::optional<std::uint64_t>(seed) : std::nullopt);
+  if (sampled) config.seed = seed;
+  std::optional<Policy> policy;
+  try {
+    policy = config.follow ? first_policy(source) : Policy::load(source);
+  } catch (const PolicyError& error) {
+    parameters.refuse("policy", error.what());
+  }
+  if (!policy) return threelink_sim::kSuccess;
+  Agent agent(std::move(*policy), source, config);
   return threelink_sim::spin();
 }
 
