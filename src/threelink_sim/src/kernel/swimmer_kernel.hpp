@@ -253,31 +253,29 @@ inline R turn_of(double h, const double weight[3], const Motion<R> m[3]) {
              fma(all<R>(h * weight[1]), m[1].spin, all<R>(h * weight[2]) * m[2].spin));
 }
 
-// One action step of one lane. Rates are constant in it and the body velocity depends on the shape
-// alone, so that Gauss collocation on SE(2) is explicit: spins at the nodes give their headings,
-// and displacement = h sum_i b_i R(heading_i) v_i.
-template <class R, int N>
-inline void advance_lane(const AdvanceArgs& args, std::size_t lane) {
-  const int n = links<N>(args.model.links);
-  R alpha[kSize<N>], rate[kSize<N>], final_alpha[kSize<N>];
-  for (int j = 0; j < n - 1; ++j) {
-    alpha[j] = load<R>(args.alpha + j * args.stride + lane);
-    rate[j] = load<R>(args.rates + j * args.stride + lane);
-    cut_at_limit(all<R>(args.model.joint_limit), all<R>(args.dt), all<R>(1.0 / args.dt), alpha[j],
-                 rate[j], final_alpha[j]);
-    store(rate[j], args.rates + j * args.stride + lane);
-    store(final_alpha[j], args.alpha + j * args.stride + lane);
-  }
-  const Turning<R, N> turning = turning_of<R, N>(n, rate);
+// Where an action step leads, in the fixed frame and in units of lambda and l lambda^2.
+template <class R>
+struct Travel {
+  R dx, dy;   // of the centroid
+  R heading;  // at the end
+  R work;
+};
 
-  const double h = args.dt / args.substeps;
-  R heading = load<R>(args.heading + lane);
+// From hinge angles alpha and a heading, under rates that are held for dt. Rates are constant and
+// the body velocity depends on the shape alone, so that Gauss collocation on SE(2) is explicit:
+// spins at the nodes give their headings, and displacement = h sum_i b_i R(heading_i) v_i.
+template <class R, int N>
+inline Travel<R> travel(const KernelModel& model, double dt, int substeps, const R* alpha,
+                        const R* rate, R heading) {
+  const int n = links<N>(model.links);
+  const Turning<R, N> turning = turning_of<R, N>(n, rate);
+  const double h = dt / substeps;
   R dx{}, dy{}, work{};
-  for (int substep = 0; substep < args.substeps; ++substep) {
+  for (int substep = 0; substep < substeps; ++substep) {
     R middle[kSize<N>];
     for (int j = 0; j < n - 1; ++j) middle[j] = fma(rate[j], all<R>(h * (substep + 0.5)), alpha[j]);
     Motion<R> m[3];
-    motion_at_nodes(args.model, h, middle, turning, m);
+    motion_at_nodes(model, h, middle, turning, m);
     R early_s, early_c, late_s, late_c, s, c;
     small_sincos(turn_of(h, kTurnToEarly, m), early_s, early_c);
     small_sincos(turn_of(h, kTurnToLate, m), late_s, late_c);
@@ -295,16 +293,34 @@ inline void advance_lane(const AdvanceArgs& args, std::size_t lane) {
     work = fma(outer, m[0].power + m[2].power, fma(inner, m[1].power, work));
     heading = heading + turn_of(h, kGaussB, m);
   }
+  return {dx, dy, heading, work};
+}
+
+// One action step of one lane.
+template <class R, int N>
+inline void advance_lane(const AdvanceArgs& args, std::size_t lane) {
+  const int n = links<N>(args.model.links);
+  R alpha[kSize<N>], rate[kSize<N>], final_alpha[kSize<N>];
+  for (int j = 0; j < n - 1; ++j) {
+    alpha[j] = load<R>(args.alpha + j * args.stride + lane);
+    rate[j] = load<R>(args.rates + j * args.stride + lane);
+    cut_at_limit(all<R>(args.model.joint_limit), all<R>(args.dt), all<R>(1.0 / args.dt), alpha[j],
+                 rate[j], final_alpha[j]);
+    store(rate[j], args.rates + j * args.stride + lane);
+    store(final_alpha[j], args.alpha + j * args.stride + lane);
+  }
+  const Travel<R> way =
+      travel<R, N>(args.model, args.dt, args.substeps, alpha, rate, load<R>(args.heading + lane));
 
   const double lambda = 0.5 / n;
-  dx = dx * lambda;
-  dy = dy * lambda;
-  store(work * (lambda * lambda / n), args.work + lane);
+  const R dx = way.dx * lambda;
+  const R dy = way.dy * lambda;
+  store(way.work * (lambda * lambda / n), args.work + lane);
   store(dx, args.displacement + lane);
   store(dy, args.displacement + args.stride + lane);
   store(load<R>(args.x + lane) + dx, args.x + lane);
   store(load<R>(args.y + lane) + dy, args.y + lane);
-  store(heading, args.heading + lane);
+  store(way.heading, args.heading + lane);
 }
 
 template <class R, int N>
