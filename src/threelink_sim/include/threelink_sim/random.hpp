@@ -17,6 +17,7 @@ enum class Stream : std::uint32_t {
   kInitialisation = 4,  // network weights
   kMinibatch = 5,       // order of the samples in an update
   kMirror = 6,          // which episodes of an update are mirrored
+  kStroke = 7,          // where the search for an optimal stroke starts
 };
 
 // Word layout of a Philox counter: {draw, step, episode, stream}; the key is the 64-bit seed.
