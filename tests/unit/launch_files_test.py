@@ -29,8 +29,9 @@ def load(path, **arguments):
 class LaunchFilesTest(unittest.TestCase):
     def test_there_are_some(self):
         names = {os.path.basename(path) for path in FILES}
-        self.assertLessEqual({"click.launch", "live.launch", "playback.launch", "pursuit.launch",
-                              "star.launch", "task.launch", "train.launch", "train_cluster.launch",
+        self.assertLessEqual({"click.launch", "live.launch", "playback.launch",
+                              "pursuit.launch", "star.launch", "stroke.launch",
+                              "task.launch", "train.launch", "train_cluster.launch",
                               "view.launch", "watch.launch", "waypoints.launch",
                               "workers.launch"}, names)
 
@@ -162,6 +163,14 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual({node.namespace + node.name for node in config.nodes},
                          {"/threelink/robot/agent"})
         self.assertEqual(config.params["/threelink/robot/agent/exact"].value, False)
+
+    def test_a_stroke_is_a_file_of_the_caller_or_the_shipped_one(self):
+        os.environ["PWD"] = "/called/here"
+        stroke = lambda name, **arguments: load(os.path.join(FOLDER, name), rviz="false", **arguments
+                                                ).params["/threelink/stroke/file"].value
+        self.assertTrue(os.path.isfile(stroke("stroke.launch")))
+        self.assertEqual(stroke("stroke.launch", file="a.json"), "/called/here/a.json")
+        self.assertEqual(stroke("view.launch"), "")
 
     def test_a_task_may_bring_its_own_parameters(self):
         os.environ["PWD"] = os.path.dirname(os.path.realpath(__file__))

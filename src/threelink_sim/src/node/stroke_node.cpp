@@ -1,7 +1,9 @@
 // Both peers of the simulator's lock-step in one small node: the target is a fixed point, and the
-// first and the last hinge make Purcell's stroke, each in turn from one angle to the other.
+// hinges follow a stroke: Purcell's, or one from a file.
+#include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <geometry_msgs/PointStamped.h>
 #include <ros/ros.h>
 #include <threelink_msgs/HingeRates.h>
@@ -9,11 +11,12 @@
 #include <threelink_msgs/Reset.h>
 #include <threelink_msgs/SwimmerState.h>
 
-#include "threelink_sim/model.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
+#include "threelink_sim/node/simulator_config.hpp"
 #include "threelink_sim/node/topics.hpp"
+#include "threelink_sim/stroke_file.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -22,24 +25,56 @@ constexpr char kHelp[] = R"(stroke_node: moves the simulator's swimmer without t
 
 usage: rosrun threelink_sim stroke_node [ROS remappings] | --help
 
-Starts one episode and answers every state with a fixed target, and every observation with the rates
-of Purcell's stroke: the outer hinges swing between -amplitude and +amplitude, one after the other.
+Starts one episode, with the centroid in the origin, and answers every state with a fixed target and
+every observation with the mean rates of a stroke until the next one. At steps as long as the stroke's
+pieces these are its own rates; else its corners are cut. Without a file the stroke is Purcell's: the
+outer hinges swing between -amplitude and +amplitude, one after the other.
 
 publishes      target        geometry_msgs/PointStamped
                hinge_rates   threelink_msgs/HingeRates
 subscribes to  state         threelink_msgs/SwimmerState
                observation   threelink_msgs/Observation
 calls          reset         threelink_msgs/Reset
-parameters     ~amplitude [pi/3 rad]  ~target_x [2 m]  ~target_y [0.5 m]
+parameters     ~file [none], as optimal_stroke writes it (JSON)  ~amplitude [pi/3 rad]
+               ~target_x [2 m]  ~target_y [0.5 m]  ~simulator [simulator], whose parameters are read
 )";
 
-class Stroke {
+struct Config {
+  Stroke stroke;
+  geometry_msgs::Point target;  // [m]
+  double dt;                    // [T0] of the simulator
+};
+
+Config read_config(Parameters& parameters) {
+  Parameters of_simulator{ros::NodeHandle(parameters.text("simulator", "simulator"))};
+  const EnvironmentConfig environment = read_simulator_config(of_simulator).environment;
+  const Model& model = environment.model;
+  const std::string file = parameters.text("file", "");
+  const double amplitude = parameters.real("amplitude", {0.01, model.joint_limit},
+                                           std::min(kPi / 3, model.joint_limit));
+  Config config;
+  config.target.x = parameters.real("target_x", {-1e6, 1e6}, 2.0);
+  config.target.y = parameters.real("target_y", {-1e6, 1e6}, 0.5);
+  parameters.finish();
+  config.dt = environment.dt;
+  if (file.empty()) {
+    constexpr int kPieces = 4;
+    config.stroke = square_stroke(model, -amplitude, amplitude, kPieces);
+  } else {
+    config.stroke = load_stroke(file);
+    if (config.stroke.model.links != model.links || config.stroke.model.gamma != model.gamma)
+      throw UsageError(fmt::format("{}: is for links = {}, gamma = {}; the simulator has {}, {}",
+                                   file, config.stroke.model.links, config.stroke.model.gamma,
+                                   model.links, model.gamma));
+  }
+  return config;
+}
+
+class StrokePlayer {
  public:
-  explicit Stroke(Parameters& parameters)
-      : amplitude_(parameters.real("amplitude", {0.01, kPi}, kPi / 3)) {
-    target_.point.x = parameters.real("target_x", {-1e6, 1e6}, 2.0);
-    target_.point.y = parameters.real("target_y", {-1e6, 1e6}, 0.5);
-    parameters.finish();
+  explicit StrokePlayer(const Config& config)
+      : stroke_(config.stroke), angles_(hinge_angles(stroke_)), dt_(config.dt) {
+    target_.point = config.target;
     target_.header.frame_id = frames::kWorld;
 
     constexpr bool kLatch = true;
@@ -47,17 +82,21 @@ class Stroke {
     target_publisher_ = node_.advertise<geometry_msgs::PointStamped>(topics::kTarget, 10, kLatch);
     rates_publisher_ = node_.advertise<threelink_msgs::HingeRates>(topics::kHingeRates, 10, kLatch);
     node_.setCallbackQueue(&direct_queue_);
-    state_subscriber_ = node_.subscribe(topics::kState, 10, &Stroke::on_state, this, hints);
+    state_subscriber_ = node_.subscribe(topics::kState, 10, &StrokePlayer::on_state, this, hints);
     observation_subscriber_ =
-        node_.subscribe(topics::kObservation, 10, &Stroke::on_observation, this, hints);
+        node_.subscribe(topics::kObservation, 10, &StrokePlayer::on_observation, this, hints);
   }
 
   void start() {
     auto client = node_.serviceClient<threelink_msgs::Reset>(topics::kReset);
     while (!client.waitForExistence(ros::Duration(0.5)) && running()) {
     }
+    const SwimmerState start = aligned_start(stroke_);
+    const Eigen::Vector2d x_1 = free_end(stroke_.model, start);
     threelink_msgs::Reset reset;
-    reset.request.x_1 = {1.0, 0.0};
+    reset.request.x_1 = {x_1.x(), x_1.y()};
+    reset.request.theta_1 = link_angles(stroke_.model, start)[0];
+    reset.request.alpha.assign(start.alpha.begin(), start.alpha.end());
     if (running() && (!client.call(reset) || !reset.response.success))
       throw std::runtime_error("reset failed: " + reset.response.status);
   }
@@ -69,24 +108,28 @@ class Stroke {
   }
 
   void on_observation(const threelink_msgs::Observation& observation) {
-    constexpr std::size_t kFirstHinge = 2;  // after cos theta_d, sin theta_d
-    const std::size_t hinges = observation.values.size() - kFirstHinge;
+    const double* alpha =
+        observation.values.data() + observation.values.size() - stroke_.model.hinges();
+    const HingeVector next = angles_at((observation.step + 1) * dt_);
     rates_.header.stamp = observation.header.stamp;
     rates_.episode = observation.episode;
     rates_.step = observation.step;
-    rates_.rates.assign(hinges, 0.0);
-    // Quarter q of the stroke moves one hinge up (q = 0, 1) or down (q = 2, 3): last, first, ...
-    const double direction = quarter_ < 2 ? 1 : -1;
-    const std::size_t hinge = quarter_ % 2 == 0 ? hinges - 1 : 0;
-    rates_.rates[hinge] = direction;
+    rates_.rates.resize(stroke_.model.hinges());
+    for (int j = 0; j < stroke_.model.hinges(); ++j)
+      rates_.rates[j] = std::clamp((next[j] - alpha[j]) / dt_, -1.0, 1.0);
     rates_publisher_.publish(rates_);
-    constexpr double kStep = 0.05;  // [rad] within half a step of the corner is at it
-    if (direction * observation.values[kFirstHinge + hinge] > amplitude_ - kStep)
-      quarter_ = (quarter_ + 1) % 4;
   }
 
-  double amplitude_;  // [rad]
-  int quarter_ = 0;
+  // [rad] of the stroke at a time [T0] since its start.
+  HingeVector angles_at(double time) const {
+    const double pieces = std::fmod(time / stroke_.dt, stroke_.pieces());
+    const int whole = static_cast<int>(pieces);
+    return angles_[whole] + (pieces - whole) * (angles_[whole + 1] - angles_[whole]);
+  }
+
+  Stroke stroke_;
+  std::vector<HingeVector> angles_;
+  double dt_;  // [T0]
   geometry_msgs::PointStamped target_;
   threelink_msgs::HingeRates rates_;
   DirectQueue direct_queue_;
@@ -97,8 +140,8 @@ class Stroke {
 
 int run() {
   Parameters parameters{ros::NodeHandle("~")};
-  Stroke stroke(parameters);
-  stroke.start();
+  StrokePlayer player(read_config(parameters));
+  player.start();
   return spin();
 }
 
