@@ -82,7 +82,7 @@ StrokeVariables some_stroke(const Model& model, int pieces) {
   x.dt = 0.13;
   x.start.resize(model.hinges());
   x.rates.resize(model.hinges(), pieces);
-  for (double& angle : x.start) angle = random.uniform(-1, 1);
+  for (Eigen::Index j = 0; j < x.start.size(); ++j) x.start[j] = random.uniform(-1, 1);
   for (Eigen::Index i = 0; i < x.rates.size(); ++i) x.rates.data()[i] = random.uniform(-1, 1);
   return x;
 }
@@ -92,7 +92,7 @@ Stroke as_stroke(const Model& model, const StrokeVariables& x) {
   stroke.model = model;
   stroke.dt = x.dt;
   stroke.start = x.start;
-  for (const auto& rates : x.rates.colwise()) stroke.rates.push_back(rates);
+  for (Eigen::Index k = 0; k < x.rates.cols(); ++k) stroke.rates.push_back(x.rates.col(k));
   return stroke;
 }
 

@@ -50,8 +50,8 @@ Config read_config(Parameters& parameters) {
   const EnvironmentConfig environment = read_simulator_config(of_simulator).environment;
   const Model& model = environment.model;
   const std::string file = parameters.text("file", "");
-  const double amplitude = parameters.real("amplitude", {0.01, model.joint_limit},
-                                           std::min(kPi / 3, model.joint_limit));
+  const double amplitude =
+      parameters.real("amplitude", {0.01, model.joint_limit}, std::min(kPi / 3, model.joint_limit));
   Config config;
   config.target.x = parameters.real("target_x", {-1e6, 1e6}, 2.0);
   config.target.y = parameters.real("target_y", {-1e6, 1e6}, 0.5);
@@ -96,7 +96,7 @@ class StrokePlayer {
     threelink_msgs::Reset reset;
     reset.request.x_1 = {x_1.x(), x_1.y()};
     reset.request.theta_1 = link_angles(stroke_.model, start)[0];
-    reset.request.alpha.assign(start.alpha.begin(), start.alpha.end());
+    reset.request.alpha.assign(start.alpha.data(), start.alpha.data() + start.alpha.size());
     if (running() && (!client.call(reset) || !reset.response.success))
       throw std::runtime_error("reset failed: " + reset.response.status);
   }
