@@ -2,6 +2,8 @@
 import json
 import sys
 
+import matplotlib.pyplot as plt
+
 from threelink_report.style import save, use_style
 
 from .figures import FIGURES
@@ -11,9 +13,9 @@ from .results import Results
 def main(name, out):
     figure, results = FIGURES[name], Results()
     use_style()
+    plt.rcParams["savefig.dpi"] = 200
     drawing = figure.draw(results)
     drawing.savefig(out + ".pdf")
-    drawing.set_dpi(200)
     save(drawing, out + ".png")
     with open(out + ".json", "w") as file:
         json.dump({"title": figure.TITLE, "caption": figure.caption(results)}, file, indent=1)

@@ -107,8 +107,8 @@ def success_rows(results):
     published, rows = results.published, []
     for name, c in PENALTIES.items():
         values = [one["success_rate"] for one in results.evaluations(name)]
-        paper = (published["success_at_200"] if c == 0 else
-                 published["success_up_to_c3"] if c < 4 else "drops")
+        paper = (f"{100 * published['success_at_200']:.0f} %" if c == 0 else
+                 f"about {100 * published['success_up_to_c3']:.0f} %" if c < 4 else "drops")
         rows.append(row(f"success, c = {c}" + (", N_s = 200" if c == 0 else ""), values,
                         results.seeds("data/evaluate", name, "json"), "%", paper,
                         bar="mean ≥ 99 %", met=np.mean(values) >= 0.99))
@@ -177,13 +177,17 @@ def number(value, unit, digits=5):
     return f"{value:.{digits}g}" if abs(value) >= 1e-12 or value == 0 else "0"
 
 
+def relative(difference):
+    return f"{100 * difference:+.2f} %" if abs(difference) >= 1e-3 else f"{difference:+.1e}"
+
+
 def cells(entry):
     """quantity, paper, ours, optimum, difference, verdict: texts."""
     unit = entry["unit"]
     ours = number(entry["ours"], unit)
     if entry["half_width"] is not None:
         ours += f" ± {number(entry['half_width'], unit, 2)}"
-    differences = [f"{100 * entry[key]:+.2f} % {name}" for key, name in
+    differences = [f"{relative(entry[key])} {name}" for key, name in
                    (("to_paper", "paper"), ("to_optimum", "optimum")) if entry[key] is not None]
     if "error" in entry:
         differences.append(f"{entry['error']:.1e} reference")
@@ -196,7 +200,8 @@ HEADER = ("quantity", "paper", "ours", "optimum", "difference", "verdict")
 
 
 def as_text(table):
-    lines = [HEADER] + [cells(entry) for group in table["groups"] for entry in group["rows"]]
+    lines = [HEADER] + [cells(entry)[:-1] + (entry["verdict"],)
+                        for group in table["groups"] for entry in group["rows"]]
     widths = [max(len(line[column]) for line in lines) for column in range(len(HEADER))]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip()
                      for line in lines)

@@ -23,7 +23,7 @@ def draw(results):
                                                  gridspec_kw={"width_ratios": [1, 1, 1.3]})
     for (name, penalty), (colour, dash) in zip(PENALTIES.items(), CURVES):
         period = results.evaluations(name)[0]["starts"][0]["period_steps"]
-        axes = middle if penalty == 4 else left
+        axes, dash = (middle, "-") if penalty == 4 else (left, dash)
         axes.plot(*results.ways(name)[0].last_stroke(period).T, color=colour, linestyle=dash,
                   linewidth=1.2, label=f"c = {penalty}")
     for axes in (left, middle):
