@@ -155,7 +155,8 @@ class PagesTest(unittest.TestCase):
         with open(self.path("page.html"), encoding="utf-8") as file:
             text = file.read()
         elements = Elements(text)
-        self.assertEqual(elements.tags & {"link", "img", "iframe", "object", "embed", "base"}, set())
+        loading = {"link", "img", "iframe", "object", "embed", "base"}
+        self.assertEqual(elements.tags & loading, set())
         self.assertEqual([name for name, _ in elements.attributes if name in ("src", "href")], [])
         self.assertIn("default-src 'none'", text)
         self.assertNotRegex(text, r"https?:|url\(|@import|\bimport\b|fetch\(|XMLHttpRequest")

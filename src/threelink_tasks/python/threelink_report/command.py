@@ -41,5 +41,6 @@ class Progress:
         full = int(self.WIDTH * share)
         left = (time.monotonic() - self.start) * (1 - share) / share
         end = "\n" if share == 1 else ""
-        print(f"\r[{'#' * full}{'.' * (self.WIDTH - full)}] {100 * share:3.0f} %, {left:.0f} s left ",
-              end=end, file=sys.stderr, flush=True)
+        bar = "#" * full + "." * (self.WIDTH - full)
+        print(f"\r[{bar}] {100 * share:3.0f} %, {left:.0f} s left ", end=end, file=sys.stderr,
+              flush=True)

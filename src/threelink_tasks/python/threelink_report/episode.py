@@ -23,10 +23,10 @@ class EpisodeError(ValueError):
 class Episode:
     """What a bag says of its episode; each array has a row for each state.
 
-    steps, times (n,); centroids, x_1 (n, 2); theta (n, N); alpha, rates (n, N - 1); power, work (n,)
-    and rates are those of the step that led to the state. targets (n, 2): what the task answered to
-    the state; the last one has no answer, and keeps the one before. distances (n,): centroid to
-    target. waypoints (k, 2): the fixed points of the task, none if its target moves.
+    steps, times (n,); centroids, x_1 (n, 2); theta (n, N); alpha, rates (n, N - 1); power, work
+    (n,) and rates are those of the step that led to the state. targets (n, 2): what the task
+    answered to the state; the last one has no answer, and keeps the one before. distances (n,):
+    centroid to target. waypoints (k, 2): the fixed points of the task, none if its target moves.
     """
 
     def __init__(self, name, messages):
@@ -99,6 +99,9 @@ class Episode:
         ]
         if len(self.waypoints):
             facts.insert(3, ("waypoints reached", f"{end.waypoint} of {len(self.waypoints)}"))
+        missing = self.steps[-1] - self.steps[0] + 1 - len(self.steps)
+        if missing:
+            facts.insert(3, ("states that the recorder missed", str(missing)))
         return facts
 
 

@@ -1,6 +1,7 @@
 """Pictures of a recorded episode, and the panels that they are made of."""
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import StrMethodFormatter
 
 from threelink_report.episode import SMOOTHING, TRANSLATION, Motion
 from threelink_report.style import BODY, STEERING, SWIMMER, TARGET
@@ -27,7 +28,8 @@ def places(centroids):
 
 def draw_ends(axes, points, colour, marker, size):
     for index, face, edge in ((0, "white", colour), (-1, colour, "white")):
-        axes.plot(*points[index], marker, color=face, markeredgecolor=edge, markersize=size, zorder=4)
+        axes.plot(*points[index], marker, color=face, markeredgecolor=edge, markersize=size,
+                  zorder=4)
 
 
 def draw_path(axes, episode):
@@ -61,15 +63,15 @@ def draw_phase_plane(axes, episode):
 
 
 def draw_theta_s(axes, motion):
-    axes.fill_between(motion.times, 0, 1, where=motion.steering, step="mid", color=STEERING, linewidth=0,
-                      transform=axes.get_xaxis_transform(), label="steering")
+    axes.fill_between(motion.times, 0, 1, where=motion.steering, step="mid", color=STEERING,
+                      linewidth=0, transform=axes.get_xaxis_transform(), label="steering")
     for bound in (-TRANSLATION, TRANSLATION):
         axes.axhline(bound, color="0.3", linewidth=0.6, linestyle="--")
     turned = np.abs(np.diff(motion.theta_s, prepend=motion.theta_s[:1])) > 180
     axes.plot(motion.times, np.where(turned, np.nan, motion.theta_s), color=SWIMMER, linewidth=0.9)
     axes.set_yscale("symlog", linthresh=10, linscale=1.2)
     axes.set_yticks([-180, -45, -10, 0, 10, 45, 180])
-    axes.get_yaxis().set_major_formatter("{x:.0f}")
+    axes.get_yaxis().set_major_formatter(StrMethodFormatter("{x:.0f}"))
     axes.minorticks_off()
     axes.set(ylim=(-190, 190), ylabel=r"$\theta_s$ / degrees")
     share = 100 * (1 - motion.steering.mean())
@@ -97,7 +99,8 @@ def draw_all(episode):
     draw_phase_plane(figure.add_subplot(grid[0, 3:]), episode)
     motion = Motion(episode)
     if not len(motion.times):
-        figure.text(0.5, 0.3, f"no more than {SMOOTHING} states: no mean over a stroke", ha="center")
+        figure.text(0.5, 0.3, f"no more than {SMOOTHING} states: no mean over a stroke",
+                    ha="center")
         return figure
     rows = [figure.add_subplot(grid[1, :])]
     rows += [figure.add_subplot(grid[row, :], sharex=rows[0]) for row in (2, 3, 4)]

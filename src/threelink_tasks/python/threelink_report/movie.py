@@ -1,6 +1,5 @@
 """A movie of a recorded episode: the swimmer true to scale, its way, its target, and a clock."""
 import math
-import os
 import shutil
 import subprocess
 import tempfile
@@ -32,20 +31,20 @@ def write_movie(episode, path, seconds=None, report=lambda share: None):
     """
     if not shutil.which("ffmpeg"):
         raise MovieError("ffmpeg is missing; `apt-get install ffmpeg` installs it")
-    stride = max(1, math.ceil((len(episode.steps) - 1) / RATE / (seconds or SECONDS)))
+    last = len(episode.steps) - 1
+    stride = max(1, math.ceil(last / RATE / (seconds or SECONDS)))
     if seconds is None:
         stride = min(stride, MOST_SKIPPED)
-    last = len(episode.steps) - 1
     frames = [*range(0, last, stride)] + [last] * LAST
     scene = Scene(episode, stride * episode.dt * RATE)
-    with replacing(path) as part, encoder(part) as images:
+    with replacing(path) as part, Encoder(part) as images:
         for number, index in enumerate(frames):
             images.write(scene.frame(index))
             report((number + 1) / len(frames))
     plt.close(scene.figure)
 
 
-class encoder:
+class Encoder:
     """Where to write images to, as RGBA, that ffmpeg makes a movie of."""
 
     def __init__(self, path):
@@ -125,8 +124,8 @@ class Scene:
         self.shape = line(self.plane, "o", color=SWIMMER, markeredgecolor="white", markersize=8)
         parts = ((self.swimmer, "swimmer, 1 L long"), (self.way, "way of its centroid"),
                  (self.target_way if not len(self.episode.waypoints) else self.ahead, "target"))
-        self.figure.legend(*zip(*parts), loc="lower left", bbox_to_anchor=(0.712, 0.08), fontsize=11,
-                           frameon=False, borderpad=0)
+        self.figure.legend(*zip(*parts), loc="lower left", bbox_to_anchor=(0.712, 0.08),
+                           fontsize=11, frameon=False, borderpad=0)
         self.clock = self.figure.text(0.72, 0.95, "", fontsize=14, va="center", animated=True)
         self.values = self.figure.text(0.72, 0.37, "", fontsize=12, va="top", linespacing=1.6,
                                        animated=True)

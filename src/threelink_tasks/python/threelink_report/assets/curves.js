@@ -52,7 +52,8 @@ class CurvesView extends View {
     for (const time of end > begin ? ticks(begin, end, Math.max(2, width / 110)) : [begin]) {
       const x = this.x(episode.last * (time - begin) / (end - begin || 1));
       this.line(pen, [[x, 0], [x, height - BELOW]], colours.line, 1);
-      if (x > LEFT + 24) this.text(pen, label(time), Math.min(x, width - 16), height - 5, colours.quiet, "center");
+      if (x > LEFT + 24)
+        this.text(pen, label(time), Math.min(x, width - 16), height - 5, colours.quiet, "center");
     }
     this.text(pen, "time / T₀", 0, height - 5, colours.quiet);
     for (const row of this.rows) {

@@ -53,7 +53,7 @@ class View {
   }
 
   clear() { this.pen.clearRect(0, 0, this.width, this.height); }
-  lay(canvas) { if (canvas.width && canvas.height) this.pen.drawImage(canvas, 0, 0, this.width, this.height); }
+  lay(canvas) { this.pen.drawImage(canvas, 0, 0, this.width, this.height); }
 
   line(pen, points, colour, width) {
     pen.strokeStyle = colour;
@@ -205,7 +205,8 @@ class WorldView extends View {
     const {colours} = this;
     this.episode.waypoints.forEach(([x, y], i) => {
       const point = this.place(x, y), done = i < reached;
-      this.disc(pen, point, 5, done ? colours.faint : colours.paper, done ? colours.faint : colours.target);
+      const [fill, edge] = done ? [colours.faint, colours.faint] : [colours.paper, colours.target];
+      this.disc(pen, point, 5, fill, edge);
       this.text(pen, done ? "✓" : String(i + 1), point[0] + 8, point[1] - 6,
                 done ? colours.quiet : colours.ink);
     });
@@ -244,15 +245,16 @@ class WorldView extends View {
     const [x, y] = [this.width / 2 + reach * c, this.height / 2 + reach * s];
     const {target} = this.colours;
     this.line(pen, [[x - 22 * c, y - 22 * s], [x, y]], target, 3);
-    this.line(pen, [[x - 9 * c - 6 * s, y - 9 * s + 6 * c], [x, y], [x - 9 * c + 6 * s, y - 9 * s - 6 * c]],
-              target, 3);
+    const barb = (side) => [x - 9 * c - side * s, y - 9 * s + side * c];
+    this.line(pen, [barb(6), [x, y], barb(-6)], target, 3);
   }
 
   drawSwimmer(pen, position) {
     const ends = this.episode.ends(position).map(([x, y]) => this.place(x, y));
     this.line(pen, ends, this.colours.paper, 9);
     this.line(pen, ends, this.colours.ink, 5);
-    for (const hinge of ends.slice(1, -1)) this.disc(pen, hinge, 3.5, this.colours.paper, this.colours.ink);
+    for (const hinge of ends.slice(1, -1))
+      this.disc(pen, hinge, 3.5, this.colours.paper, this.colours.ink);
     const centroid = this.place(...this.episode.point(this.episode.centroid, position));
     this.disc(pen, centroid, 4, this.colours.swimmer, this.colours.paper);
   }
@@ -293,7 +295,8 @@ class PlaneView extends View {
     this.clear();
     this.lay(this.still);
     const state = Math.floor(position), from = Math.max(0, state - this.episode.smoothing);
-    this.line(this.pen, [...this.orbit(from, state), this.place(position)], this.colours.swimmer, 2.5);
+    const stroke = [...this.orbit(from, state), this.place(position)];
+    this.line(this.pen, stroke, this.colours.swimmer, 2.5);
     this.disc(this.pen, this.place(position), 5, this.colours.swimmer, this.colours.paper);
   }
 }
