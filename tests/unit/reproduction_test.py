@@ -132,6 +132,7 @@ class ReproductionTest(unittest.TestCase):
         self.assertIn("a &amp; &lt;b&gt;", text)
         self.assertIn("make &lt;all&gt;", text)
         self.assertIn("r&lt;1&gt;", text)
+        self.assertIn("default-src 'none'; img-src data:;", text)
         links = re.findall(r"""<[a-z][^<>]*\s(?:src|href|srcset|action)\s*=\s*["']?([^"' >]+)""", text)
         self.assertGreater(len(links), 5)
         for link in links:

@@ -19,6 +19,8 @@ from .stage import sha256
 EPISODE_TITLES = {"star": "The star", "pursuit_0": "Diffusing target at rest",
                   "pursuit_05": "Diffusing target at half the speed",
                   "pursuit_1": "Diffusing target at equal speed"}
+# What a browser may do for this page: draw what is in it, and nothing else.
+POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
 SECTIONS = (("numbers", "Numbers"), ("figures", "Figures"), ("episodes", "Episodes"),
             ("configuration", "Configuration"), ("commands", "Commands"))
 
@@ -148,6 +150,7 @@ def build(results):
     with open(os.path.join(os.path.dirname(__file__), "page.css")) as file:
         style = file.read()
     return ("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+            f"<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n"
             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
             f"<title>threelink: the paper, made again</title>\n<style>\n{style}</style>\n"
             f"{player.head()}\n</head>\n<body>\n{introduction(results, table)}\n{sections}\n"
