@@ -335,6 +335,24 @@ TEST_F(SimulatorTest, ARateThatWouldPassTheJointLimitLandsOnIt) {
   EXPECT_EQ(state().hinge_rates[1], 1);
 }
 
+TEST_F(SimulatorTest, AStateIsTakenWithoutRounding) {
+  threelink_msgs::Reset::Request request;
+  request.from_centroid = true;
+  request.centroid = {0.1, -0.7};
+  request.heading = 1.0 / 3;
+  request.alpha = {-0.3, 1.1};
+  begin(request);
+  EXPECT_EQ(state().centroid[0], 0.1);
+  EXPECT_EQ(state().centroid[1], -0.7);
+  EXPECT_EQ(state().theta[1], 1.0 / 3);
+  EXPECT_EQ(state().alpha, request.alpha);
+  request.heading = kNan;
+  EXPECT_NE(reset(request).status.find("heading"), std::string::npos);
+  request.heading = 0;
+  request.centroid[1] = 1e308;
+  EXPECT_NE(reset(request).status.find("centroid"), std::string::npos);
+}
+
 TEST_F(SimulatorTest, ResetRefusesWhatIsNoState) {
   begin();
   await_diagnostics();
