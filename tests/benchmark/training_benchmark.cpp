@@ -119,7 +119,7 @@ Rollout played() {
   const TrainConfig c = config();
   Rollout rollout(c.environment, 40);
   const LearnerTensors start = initial_state(c).parameters;
-  collect({c.environment, c.symmetry.canonical, Mlp(start.actor), start.log_std, 0, 0}, 0, 40,
+  collect({c.environment, {}, c.symmetry.canonical, Mlp(start.actor), start.log_std, 0, 0}, 0, 40,
           rollout);
   return rollout;
 }

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   threelink_sim::ParameterMap parameters("parameters", YAML::Load(argv[5]));
   const double v_m = threelink_agent::evaluate(policy, 0, 0).speed;
   const auto task = threelink_tasks::make_task(argv[4], parameters, {0.1, v_m});
-  threelink_sim::Environment environment(threelink_sim::EnvironmentConfig(), 1);
+  threelink_sim::Environment environment(policy.metadata().environment(), 1);
   const auto print = [](const threelink_tasks::EpisodeStep& step) {
     std::printf("%a %a %a", step.state.centroid.x(), step.state.centroid.y(), step.state.heading);
     for (const double alpha : step.state.alpha) std::printf(" %a", alpha);

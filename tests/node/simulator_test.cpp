@@ -206,15 +206,14 @@ TEST_F(SimulatorTest, AnEpisodeOverTopicsIsTheOneInProcess) {
     const Eigen::Vector2d target(2 - 0.01 * k, 1);
     const std::vector<double> rates = {random.uniform(-1, 1), random.uniform(-1, 1)};
     step(rates, target.x(), target.y());
-    const TargetDirection to_target =
-        target_direction(expected.centroid, target, environment.direction(0));
-    environment.set_direction(0, to_target.p);
+    environment.aim(0, target);
+    const Eigen::Vector2d p = environment.direction(0);
     double values[4];
     environment.observe(values);
     ASSERT_EQ(observation_.kind, "direction");
     ASSERT_EQ(observation_.values, std::vector<double>(values, values + 4));
-    ASSERT_EQ(observation_.distance, to_target.distance);
-    ASSERT_DOUBLE_EQ(observation_.theta_t, std::atan2(to_target.p.y(), to_target.p.x()));
+    ASSERT_EQ(observation_.distance, environment.distance(0));
+    ASSERT_DOUBLE_EQ(observation_.theta_t, std::atan2(p.y(), p.x()));
 
     environment.step(rates.data());
     ASSERT_EQ(state().hinge_rates[0], environment.batch().rates(0)[0]);

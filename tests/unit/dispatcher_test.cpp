@@ -65,8 +65,8 @@ class DispatcherTest : public testing::Test {
     const Policy policy = trainer.policy();
     player_.load(policy.serialize(), "test");
     update_ = {version, sha256(policy.serialize()), version * kEpisodes, kEpisodes};
-    const Play play{config.environment, config.symmetry.canonical, policy.actor(), policy.log_std(),
-                    config.seed,        update_.first_episode};
+    const Play play{config.environment, config.homing, config.symmetry.canonical, policy.actor(),
+                    policy.log_std(),   config.seed,   update_.first_episode};
     expected_ = LocalRollouts(1).play(play, kEpisodes);
     dispatcher_.open(update_, Rollout(config.environment, kEpisodes));
   }
@@ -97,6 +97,7 @@ class DispatcherTest : public testing::Test {
     EXPECT_EQ(rollout.actions, expected_->actions);
     EXPECT_EQ(rollout.log_probs, expected_->log_probs);
     EXPECT_EQ(rollout.rewards, expected_->rewards);
+    EXPECT_EQ(rollout.captured, expected_->captured);
   }
 
   Time now_{};
@@ -559,6 +560,7 @@ TEST(EpisodeBatchTest, TheChecksumCoversEveryField) {
   EpisodeBatch batch;
   batch.policy = "p";
   batch.observations = batch.actions = batch.log_probs = batch.rewards = {1, 2};
+  batch.captured = {0, 0};
   std::set<std::string> sums{checksum(batch)};
   const auto changed = [&](auto change) {
     EpisodeBatch other = batch;
@@ -579,6 +581,7 @@ TEST(EpisodeBatchTest, TheChecksumCoversEveryField) {
   changed([](EpisodeBatch& b) { b.actions[1] = 3; });
   changed([](EpisodeBatch& b) { b.log_probs[1] = 3; });
   changed([](EpisodeBatch& b) { b.rewards[1] = 3; });
+  changed([](EpisodeBatch& b) { b.captured[1] = 1; });
 }
 
 // Workers in threads of their own, over a wire that is a function call.
@@ -617,21 +620,22 @@ RemoteRollouts::Settings remote_settings() {
 }
 
 TEST(RemoteRolloutsTest, ATrainingEndsWithThePolicyOfOneProcess) {
-  const TrainConfig config = threelink_tests::small(5);
-  Threads threads;
-  auto source =
-      std::make_unique<RemoteRollouts>(config, remote_settings(), threads, [] { return true; });
-  RemoteRollouts& rollouts = *source;
-  threads.serve(rollouts);
-  for (int i = 1; i <= 3; ++i)
-    rollouts.with([&](Dispatcher& dispatcher, Time now) {
-      dispatcher.connect(status_of(i).name);
-      dispatcher.hear(status_of(i), now);
-    });
-  Trainer trainer(config, make_ppo_update(Backend::kFused, config, 1), std::move(source));
-  while (!trainer.finished()) trainer.update();
-  threads.join();
-  EXPECT_EQ(trainer.policy().sha256(), threelink_tests::sha256_of_training(config));
+  for (const TrainConfig& config : {threelink_tests::small(5), threelink_tests::small_homing(5)}) {
+    Threads threads;
+    auto source =
+        std::make_unique<RemoteRollouts>(config, remote_settings(), threads, [] { return true; });
+    RemoteRollouts& rollouts = *source;
+    threads.serve(rollouts);
+    for (int i = 1; i <= 3; ++i)
+      rollouts.with([&](Dispatcher& dispatcher, Time now) {
+        dispatcher.connect(status_of(i).name);
+        dispatcher.hear(status_of(i), now);
+      });
+    Trainer trainer(config, make_ppo_update(Backend::kFused, config, 1), std::move(source));
+    while (!trainer.finished()) trainer.update();
+    threads.join();
+    EXPECT_EQ(trainer.policy().sha256(), threelink_tests::sha256_of_training(config));
+  }
 }
 
 TEST(RemoteRolloutsTest, WithoutWorkersItSaysWhoWasRefused) {

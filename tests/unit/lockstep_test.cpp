@@ -198,31 +198,5 @@ TEST(Lockstep, ALateCommandHoldsTimeUpUntilTheWatchdogTrips) {
   EXPECT_EQ(lockstep.poll(now + milliseconds(1000)), Action::kAbort);
 }
 
-TEST(TargetDirection, IsAUnitVectorForEveryFiniteTarget) {
-  const Eigen::Vector2d centroid(0.5, -0.25), previous(0, 1);
-  const TargetDirection near = target_direction(centroid, {3.5, 3.75}, previous);
-  EXPECT_NEAR(near.p.x(), 0.6, 1e-15);
-  EXPECT_NEAR(near.p.y(), 0.8, 1e-15);
-  EXPECT_NEAR(near.distance, 5, 1e-14);
-
-  constexpr double kMax = std::numeric_limits<double>::max();
-  for (const Eigen::Vector2d& target :
-       {Eigen::Vector2d(kMax, -kMax), Eigen::Vector2d(1e308, 1), Eigen::Vector2d(0.5, -1e200)}) {
-    const TargetDirection far = target_direction(centroid, target, previous);
-    EXPECT_NEAR(far.p.norm(), 1, 1e-15);
-    EXPECT_TRUE(std::isfinite(far.distance));
-    EXPECT_GT(far.distance, 1e199);
-  }
-  const TargetDirection tiny = target_direction({0, 0}, {0, -5e-324}, previous);
-  EXPECT_EQ(tiny.p, Eigen::Vector2d(0, -1));
-  EXPECT_EQ(tiny.distance, 5e-324);
-}
-
-TEST(TargetDirection, OnTheCentroidIsThePreviousOne) {
-  const TargetDirection here = target_direction({1, 2}, {1, 2}, {0.6, 0.8});
-  EXPECT_EQ(here.p, Eigen::Vector2d(0.6, 0.8));
-  EXPECT_EQ(here.distance, 0);
-}
-
 }  // namespace
 }  // namespace threelink_sim

@@ -22,12 +22,12 @@ def reader():
 
 
 class PolicyNumpyTest(unittest.TestCase):
-    def check(self, symmetry):
+    def check(self, symmetry, observation="direction", size=4):
         read_policy, act = reader()
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "policy.safetensors")
             lines = subprocess.run(
-                ["rosrun", "threelink_tests", "policy_sample", path, symmetry],
+                ["rosrun", "threelink_tests", "policy_sample", path, symmetry, observation],
                 stdout=subprocess.PIPE, universal_newlines=True, check=True).stdout.splitlines()
             metadata, tensors = read_policy(path)
             with open(path, "rb") as file:
@@ -38,13 +38,14 @@ class PolicyNumpyTest(unittest.TestCase):
             self.assertRaises(AssertionError, read_policy, path)
         self.assertEqual(metadata["format"], "threelink-policy-1")
         self.assertEqual(metadata["symmetry"], symmetry)
+        self.assertEqual(metadata["observation"], observation)
         self.assertEqual((metadata["links"], float(metadata["dt"])), ("3", 0.1))
-        self.assertEqual(tensors["actor.0.weight"].shape, (64, 4))
+        self.assertEqual(tensors["actor.0.weight"].shape, (64, size))
         self.assertEqual(tensors["log_std"].shape, (2,))
         self.assertEqual(len(lines), 200)
         for line in lines:
             values = [float(value) for value in line.split()]
-            numpy.testing.assert_allclose(act(metadata, tensors, values[:4]), values[4:],
+            numpy.testing.assert_allclose(act(metadata, tensors, values[:size]), values[size:],
                                           rtol=0, atol=1e-6)
 
     def test_without_symmetry(self):
@@ -52,6 +53,10 @@ class PolicyNumpyTest(unittest.TestCase):
 
     def test_with_reversal(self):
         self.check("reversal")
+
+    def test_of_a_target(self):
+        self.check("none", "target", 7)
+        self.check("reversal", "target", 7)
 
 
 if __name__ == "__main__":

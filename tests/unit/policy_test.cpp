@@ -33,6 +33,7 @@ namespace threelink_tests {
 namespace {
 
 using namespace threelink_agent;
+using threelink_sim::ObservationKind;
 
 // --- What a policy answers -----------------------------------------------------------------------
 
@@ -83,22 +84,24 @@ TEST(Policy, ReversalSwapsTheEndsWhereCosIsNegative) {
 }
 
 TEST(Policy, ABatchHasTheBitsOfSingleAnswers) {
-  for (Symmetry symmetry : {Symmetry::kNone, Symmetry::kReversal}) {
-    const Policy policy = random_policy(3, symmetry);
-    std::vector<float> scratch;
-    for (std::size_t n : {1, 7, 40, 103}) {
-      const std::vector<double> observations = random_observations(n, 2, n);
-      std::vector<double> rates(2 * n);
-      policy.act(n, observations.data(), rates.data(), scratch);
-      for (std::size_t i = 0; i < n; ++i) {
-        double observation[4], single[2];
-        for (int k = 0; k < 4; ++k) observation[k] = observations[k * n + i];
-        policy.act(observation, single);
-        for (int j = 0; j < 2; ++j)
-          ASSERT_EQ(std::memcmp(&single[j], &rates[j * n + i], sizeof(double)), 0);
+  for (const auto kind : {ObservationKind::kDirection, ObservationKind::kTarget})
+    for (Symmetry symmetry : {Symmetry::kNone, Symmetry::kReversal}) {
+      const Policy policy = random_policy(3, symmetry, 3, kind);
+      std::vector<float> scratch;
+      for (std::size_t n : {1, 7, 40, 103}) {
+        const std::vector<double> observations = random_observations(n, 2, n, kind);
+        std::vector<double> rates(2 * n), observation(policy.observation_size());
+        policy.act(n, observations.data(), rates.data(), scratch);
+        for (std::size_t i = 0; i < n; ++i) {
+          double single[2];
+          for (std::size_t k = 0; k < observation.size(); ++k)
+            observation[k] = observations[k * n + i];
+          policy.act(observation.data(), single);
+          for (int j = 0; j < 2; ++j)
+            ASSERT_EQ(std::memcmp(&single[j], &rates[j * n + i], sizeof(double)), 0);
+        }
       }
     }
-  }
 }
 
 TEST(Policy, SamplesNoiseOfItsStdThatTheKeyAloneDecides) {
@@ -191,8 +194,10 @@ TEST(PolicyFile, ComesBackAsItWas) {
   metadata.dt = 0.1 + 0.2;
   metadata.gamma = 1.0 / 3;
   metadata.symmetry = Symmetry::kReversal;
+  metadata.observation = ObservationKind::kTarget;
+  metadata.sampled = true;
   metadata.config = "a: 1\nb: \"\xc3\xa9\"\n";
-  const Policy policy(metadata, Mlp(random_layers({6, 32, 4}, 6)), Eigen::VectorXf::Random(4));
+  const Policy policy(metadata, Mlp(random_layers({9, 32, 4}, 6)), Eigen::VectorXf::Random(4));
   const std::string path = testing::TempDir() + "/policy_test.safetensors";
   policy.save(path);
   const Policy back = Policy::load(path);
@@ -206,6 +211,8 @@ TEST(PolicyFile, ComesBackAsItWas) {
   EXPECT_EQ(back.metadata().dt, metadata.dt);
   EXPECT_EQ(back.metadata().gamma, metadata.gamma);
   EXPECT_EQ(back.metadata().symmetry, Symmetry::kReversal);
+  EXPECT_EQ(back.metadata().observation, ObservationKind::kTarget);
+  EXPECT_TRUE(back.metadata().sampled);
   EXPECT_EQ(back.metadata().config, metadata.config);
   EXPECT_EQ(back.log_std(), policy.log_std());
   ASSERT_EQ(back.actor().layers().size(), 2u);
@@ -311,7 +318,8 @@ TEST(PolicyFile, WrongMetadataIsRefusedAndNamed) {
         Case{"links", "three", "number"}, Case{"links", "1", "[2, 32]"}, Case{"dt", "0", "(0, 1]"},
         Case{"dt", "nan", "number"}, Case{"dt", "0.1s", "number"}, Case{"dt", nullptr, "missing"},
         Case{"gamma", "-0.5", "(0, 10]"}, Case{"symmetry", "rotation", "reversal"},
-        Case{"config", nullptr, "missing"}, Case{"symetry", "none", "not known"}}) {
+        Case{"actions", "guessed", "sampled"}, Case{"config", nullptr, "missing"},
+        Case{"symetry", "none", "not known"}}) {
     const std::string text = refusal_after([&](Container& container) {
       if (wrong.value)
         container.metadata[wrong.key] = wrong.value;

@@ -18,9 +18,12 @@ namespace {
 using namespace threelink_agent;
 using threelink_sim::Environment;
 using threelink_sim::EnvironmentConfig;
+using threelink_sim::ObservationKind;
 
-EnvironmentConfig environment(int links = 3) {
+EnvironmentConfig environment(int links = 3,
+                              ObservationKind observation = ObservationKind::kDirection) {
   EnvironmentConfig config;
+  config.observation = observation;
   config.model.links = links;
   config.c = 2;
   config.steps = 20;
@@ -29,7 +32,7 @@ EnvironmentConfig environment(int links = 3) {
 
 // A network with random weights.
 Mlp network(const EnvironmentConfig& config) {
-  const int inputs = threelink_sim::direction_observation_size(config.model);
+  const int inputs = threelink_sim::observation_size(config.observation, config.model);
   const int outputs = config.model.hinges();
   threelink_sim::Random random(1, threelink_sim::Stream::kInitialisation, 0);
   std::vector<Linear> layers(2);
@@ -48,8 +51,13 @@ Mlp network(const EnvironmentConfig& config) {
 Rollout rollout(std::uint32_t first, int episodes, Symmetry canonical = Symmetry::kNone) {
   const EnvironmentConfig config = environment();
   Rollout result(config, episodes);
-  collect({config, canonical, network(config),
-           Eigen::VectorXf::Constant(config.model.hinges(), std::log(0.5f)), 7, first},
+  collect({config,
+           {},
+           canonical,
+           network(config),
+           Eigen::VectorXf::Constant(config.model.hinges(), std::log(0.5f)),
+           7,
+           first},
           0, episodes, result);
   return result;
 }
@@ -103,7 +111,7 @@ TEST(Rollout, RewardsAreThoseOfTheStoredActions) {
     for (int j = 0; j < 2; ++j) rates[j] = at(r.actions, r, r.steps, j, t, 0);
     if (observation[0] < 0) {
       reverse_rates(rates, 2, 1, 0);
-      reverse_observation(observation, 2, 1, 0);
+      reverse_observation(observation, 4, 2, 1, 0);
       reversed = true;
     } else {
       straight = true;
@@ -144,11 +152,12 @@ TEST(Rollout, MirroringKeepsTheBehaviourLogProbability) {
 // A swimmer and its image under a symmetry, driven by rates and their image, have the same rewards,
 // and their observations stay images of each other.
 template <class MapObservation, class MapRates>
-void expect_equivariant(int links, double heading_sign, double turn, bool reversed_hinges,
-                        MapObservation map_observation, MapRates map_rates) {
-  const EnvironmentConfig config = environment(links);
+void expect_equivariant(int links, ObservationKind kind, double heading_sign, double turn,
+                        bool reversed_hinges, MapObservation map_observation, MapRates map_rates) {
+  const EnvironmentConfig config = environment(links, kind);
   const int hinges = config.model.hinges();
   Environment pair(config, 2);
+  const int size = pair.observation_size();
   const threelink_sim::SwimmerState start = threelink_sim::random_start(config.model, 5, 0);
   threelink_sim::SwimmerState image = start;
   image.heading = heading_sign * start.heading + turn;
@@ -156,11 +165,12 @@ void expect_equivariant(int links, double heading_sign, double turn, bool revers
   pair.reset(0, start);
   pair.reset(1, image);
   threelink_sim::Random random(2, threelink_sim::Stream::kExploration, 0);
-  std::vector<double> observation(2 * (2 + hinges)), rates(2 * hinges);
+  std::vector<double> observation(2 * size), rates(2 * hinges);
   for (int t = 0; t < 100; ++t) {
+    for (int i = 0; i < 2; ++i) pair.aim(i, {0.2, 0});  // on the axis of the mirror
     pair.observe(observation.data());
-    map_observation(observation.data(), hinges, 2, 1);
-    for (int k = 0; k < 2 + hinges; ++k)
+    map_observation(observation.data(), size, hinges, 2, 1);
+    for (int k = 0; k < size; ++k)
       EXPECT_NEAR(observation[2 * k], observation[2 * k + 1], 1e-11) << "component " << k;
     for (int j = 0; j < hinges; ++j) rates[2 * j] = rates[2 * j + 1] = random.uniform(-1.5, 1.5);
     map_rates(rates.data(), hinges, 2, 1);
@@ -170,14 +180,17 @@ void expect_equivariant(int links, double heading_sign, double turn, bool revers
 }
 
 TEST(Symmetry, MirrorMapsMotionsToMotions) {
-  for (int links : {2, 3, 4, 5})
-    expect_equivariant(links, -1, 0, false, mirror_observation<double>, mirror_rates<double>);
+  for (ObservationKind kind : {ObservationKind::kDirection, ObservationKind::kTarget})
+    for (int links : {2, 3, 4, 5})
+      expect_equivariant(links, kind, -1, 0, false, mirror_observation<double>,
+                         mirror_rates<double>);
 }
 
 TEST(Symmetry, ReversalMapsMotionsToMotions) {
-  for (int links : {3, 5})
-    expect_equivariant(links, 1, threelink_sim::kPi, true, reverse_observation<double>,
-                       reverse_rates<double>);
+  for (ObservationKind kind : {ObservationKind::kDirection, ObservationKind::kTarget})
+    for (int links : {3, 5})
+      expect_equivariant(links, kind, 1, threelink_sim::kPi, true, reverse_observation<double>,
+                         reverse_rates<double>);
 }
 
 TEST(Minibatches, VisitEachSampleOnceAndInAnotherOrderEachTime) {

@@ -26,6 +26,15 @@ inline threelink_agent::TrainConfig small(std::uint64_t seed = 0) {
   return config;
 }
 
+// The same with points to reach, many of them reached by chance.
+inline threelink_agent::TrainConfig small_homing(std::uint64_t seed = 0) {
+  threelink_agent::TrainConfig config = small(seed);
+  config.environment.observation = threelink_sim::ObservationKind::kTarget;
+  config.homing = threelink_agent::HomingConfig{
+      threelink_sim::ObservationKind::kDirection, 0.3, 0.002, 0.02, 0.004, 1.5};
+  return config;
+}
+
 inline threelink_agent::Trainer trainer_of(
     const threelink_agent::TrainConfig& config, int threads = 1,
     threelink_agent::Backend backend = threelink_agent::Backend::kFused) {

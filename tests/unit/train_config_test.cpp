@@ -74,6 +74,69 @@ TEST(TrainConfig, WrittenAndReadBackIsTheSame) {
   EXPECT_NE(yaml.find("  actor_learning_rate: 1.0e-05\n"), std::string::npos) << yaml;
 }
 
+const char* const kHoming = R"(
+homing:
+  observation: direction
+  direction_share: 0.7
+  nearest: 0.001
+  farthest: 0.5
+  threshold: 0.002
+  bonus: 1.5
+)";
+
+TEST(TrainConfig, HomingIsASectionThatMayBeLeftOut) {
+  using threelink_sim::ObservationKind;
+  const TrainConfig without = parse_train_config(kValid, "test");
+  EXPECT_FALSE(without.homing);
+  EXPECT_EQ(without.environment.observation, ObservationKind::kDirection);
+  const TrainConfig with = parse_train_config(kValid + kHoming, "test");
+  ASSERT_TRUE(with.homing);
+  EXPECT_EQ(with.homing->observation, ObservationKind::kDirection);
+  EXPECT_EQ(with.actor_observation(), ObservationKind::kDirection);
+  EXPECT_EQ(with.environment.observation, ObservationKind::kTarget);  // the critic's
+  EXPECT_EQ(with.homing->direction_share, 0.7);
+  EXPECT_EQ(with.homing->threshold, 0.002);
+  EXPECT_EQ(to_yaml(parse_train_config(to_yaml(with), "test")), to_yaml(with));
+  EXPECT_EQ(to_yaml(with).find(to_yaml(without)), 0u);
+
+  for (const bool swapped : {false, true}) {
+    const auto difference =
+        swapped ? first_difference(with, without) : first_difference(without, with);
+    ASSERT_TRUE(difference);
+    EXPECT_EQ(difference->key, "homing.observation");
+    EXPECT_EQ(swapped ? difference->b : difference->a, "nothing");
+    EXPECT_EQ(swapped ? difference->a : difference->b, "direction");
+  }
+}
+
+TEST(TrainConfig, RefusesHomingThatCannotBe) {
+  const auto refusal = [](const std::string& found, const std::string& put) -> std::string {
+    std::string yaml = kValid + kHoming;
+    try {
+      parse_train_config(yaml.replace(yaml.find(found), found.size(), put), "test");
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const auto expect = [&](const std::string& found, const std::string& put,
+                          const std::string& message) {
+    EXPECT_NE(refusal(found, put).find(message), std::string::npos) << refusal(found, put);
+  };
+  expect("bonus: 1.5", "bonus: -1.0", "homing.bonus = -1: must be in [0, 1000000]");
+  expect("  bonus: 1.5\n", "", "homing.bonus: missing");
+  expect("bonus: 1.5", "bonus: 1.5\n  bonnus: 1.0", "homing.bonnus: unknown key");
+  expect("direction_share: 0.7", "direction_share: 1.1",
+         "homing.direction_share = 1.1: must be in");
+  expect("nearest: 0.001", "nearest: 0.0", "homing.nearest = 0: must be in");
+  expect("farthest: 0.5", "farthest: 0.0005", "homing.farthest = 0.0005: must be in [0.001,");
+  expect("threshold: 0.002", "threshold: .nan", "homing.threshold = nan: must be in");
+  expect(
+      "observation: direction", "observation: camera",
+      "homing.observation = camera: observation \"camera\": must be \"direction\" or \"target\"");
+  expect(kHoming, "\nhoming: 1\n", "homing: unknown key");
+}
+
 TEST(TrainConfig, LearnedStdHasNoSchedule) {
   const std::string learned =
       with("{learned: false, std: 0.6, std_final: 0.3, decay_fraction: 0.8}",
@@ -246,6 +309,11 @@ TEST(TrainConfig, TheFirstDifferenceIsNamed) {
 TEST(TrainConfig, ShippedOnesAreValid) {
   const TrainConfig config = load_train_config(THREELINK_CONFIG "/train_vfs.yaml");
   EXPECT_EQ(config.environment.c, 0);
+  for (const auto& [file, observation] :
+       {std::pair{"/train_homing.yaml", threelink_sim::ObservationKind::kTarget},
+        std::pair{"/train_homing_direction.yaml", threelink_sim::ObservationKind::kDirection}})
+    EXPECT_EQ(load_train_config(THREELINK_CONFIG + std::string(file)).actor_observation(),
+              observation);
 }
 
 TEST(TrainConfig, ThePapersSettingsAreThePapers) {

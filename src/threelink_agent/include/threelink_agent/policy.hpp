@@ -34,18 +34,19 @@ std::string to_string(Symmetry symmetry);           // "none", "reversal"
 Symmetry symmetry_from_string(const std::string&);  // throws std::invalid_argument
 
 struct PolicyMetadata {
-  std::string observation = "direction";  // kind of the observation
+  threelink_sim::ObservationKind observation = threelink_sim::ObservationKind::kDirection;
   std::string action = "hinge_rates";
   int links = 3;       // N
   double dt = 0.1;     // [T0] action step it was trained for
   double gamma = 0.5;  // drag ratio it was trained for
   Symmetry symmetry = Symmetry::kNone;
-  std::string config;  // YAML: the whole effective training configuration
+  bool sampled = false;  // how it is best played: with sampled actions, else with their mean
+  std::string config;    // YAML: the whole effective training configuration
 
   // Throws std::invalid_argument that names field, value and bound.
   void validate() const;
   int observation_size() const;
-  // Links, drag ratio and step; the rest is the default.
+  // Links, drag ratio, step and observation; the rest is the default.
   threelink_sim::EnvironmentConfig environment() const;
 };
 

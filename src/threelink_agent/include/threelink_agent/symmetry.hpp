@@ -1,7 +1,9 @@
-// The two symmetries of the swimmer, applied to many observations "direction" and rates at once.
+// The two symmetries of the swimmer, applied to many observations and rates at once.
 //
 // Observation of N links, component k of sample i at [k * stride + i]:
-// cos theta_d, sin theta_d, alpha_1 .. alpha_{N-1}; rates likewise, r_1 .. r_{N-1}.
+// c = cos theta_d, s = sin theta_d, alpha_1 .. alpha_{N-1}; rates likewise, r_1 .. r_{N-1}. Those
+// of "target" go on with w c, w s, which turn as c and s do, and the logarithm of the distance,
+// which stays.
 //
 //   mirror    reflection across the target's direction:
 //             (c, s, alpha_j) -> (c, -s, -alpha_j),               r_j -> -r_j
@@ -16,8 +18,11 @@
 namespace threelink_agent {
 
 template <class Real>
-void mirror_observation(Real* observation, int hinges, std::size_t stride, std::size_t i) {
+void mirror_observation(Real* observation, int size, int hinges, std::size_t stride,
+                        std::size_t i) {
   for (int k = 1; k < 2 + hinges; ++k) observation[k * stride + i] = -observation[k * stride + i];
+  if (size > 2 + hinges)
+    observation[(3 + hinges) * stride + i] = -observation[(3 + hinges) * stride + i];
 }
 
 template <class Real>
@@ -35,10 +40,14 @@ void reverse_rates(Real* rates, int hinges, std::size_t stride, std::size_t i) {
 }
 
 template <class Real>
-void reverse_observation(Real* observation, int hinges, std::size_t stride, std::size_t i) {
+void reverse_observation(Real* observation, int size, int hinges, std::size_t stride,
+                         std::size_t i) {
   observation[i] = -observation[i];
   observation[stride + i] = -observation[stride + i];
   reverse_rates(observation + 2 * stride, hinges, stride, i);  // angles and rates turn alike
+  if (size > 2 + hinges)
+    for (int k = 2 + hinges; k < 4 + hinges; ++k)
+      observation[k * stride + i] = -observation[k * stride + i];
 }
 
 }  // namespace threelink_agent

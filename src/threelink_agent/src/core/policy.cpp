@@ -53,9 +53,6 @@ Symmetry symmetry_from_string(const std::string& name) {
 
 void PolicyMetadata::validate() const {
   environment().validate();
-  if (observation != "direction")
-    throw std::invalid_argument(
-        fmt::format("observation \"{}\": must be \"direction\"", observation));
   if (action != "hinge_rates")
     throw std::invalid_argument(fmt::format("action \"{}\": must be \"hinge_rates\"", action));
   if (symmetry == Symmetry::kReversal && links % 2 == 0)
@@ -68,11 +65,12 @@ threelink_sim::EnvironmentConfig PolicyMetadata::environment() const {
   config.model.links = links;
   config.model.gamma = gamma;
   config.dt = dt;
+  config.observation = observation;
   return config;
 }
 
 int PolicyMetadata::observation_size() const {
-  return threelink_sim::direction_observation_size(environment().model);
+  return threelink_sim::observation_size(observation, environment().model);
 }
 
 Policy::Policy(PolicyMetadata metadata, Mlp actor, Eigen::VectorXf log_std)
@@ -123,7 +121,8 @@ void Policy::act_or_sample(std::size_t n, const double* observations, const Acti
                            double* rates, float* x, float* y) const {
   std::copy_n(observations, n * observation_size(), x);
   for (std::size_t i = 0; i < n; ++i)
-    if (reversed(metadata_, observations[i])) reverse_observation(x, hinges(), n, i);
+    if (reversed(metadata_, observations[i]))
+      reverse_observation(x, observation_size(), hinges(), n, i);
   n == 1 ? actor_.forward(x, y) : actor_.forward(n, x, y);
   for (std::size_t i = 0; i < n; ++i) {
     if (keys) add_noise(keys[i], std_, n, i, y);

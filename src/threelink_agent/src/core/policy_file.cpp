@@ -11,20 +11,28 @@ constexpr char kFormat[] = "threelink-policy-1";
 constexpr char kActor[] = "actor";
 constexpr char kLogStd[] = "log_std";
 
+bool sampled_from_string(const std::string& name) {
+  if (name != "mean" && name != "sampled")
+    throw std::invalid_argument(
+        fmt::format("actions \"{}\": must be \"mean\" or \"sampled\"", name));
+  return name == "sampled";
+}
+
 PolicyMetadata metadata_of(ContainerReader& reader) {
   if (reader.text("format") != kFormat)
     throw PolicyError(fmt::format("format \"{}\": must be \"{}\"", reader.text("format"), kFormat));
   PolicyMetadata metadata;
-  metadata.observation = reader.text("observation");
   metadata.action = reader.text("action");
   metadata.links = static_cast<int>(reader.count("links", 1'000'000));
   metadata.dt = reader.number("dt");
   metadata.gamma = reader.number("gamma");
   metadata.config = reader.text("config");
   try {
-    // The one key that may be absent: most programs know no symmetries.
+    metadata.observation = threelink_sim::observation_kind_from_string(reader.text("observation"));
+    // The keys that may be absent: most programs know no symmetries, and play the mean.
     if (reader.has_field("symmetry"))
       metadata.symmetry = symmetry_from_string(reader.text("symmetry"));
+    if (reader.has_field("actions")) metadata.sampled = sampled_from_string(reader.text("actions"));
     metadata.validate();
   } catch (const std::invalid_argument& error) {
     throw PolicyError(error.what());
@@ -62,13 +70,14 @@ Container to_container(const PolicyParts& parts) {
   const PolicyMetadata& metadata = parts.metadata;
   Container container;
   container.metadata = {{"format", kFormat},
-                        {"observation", metadata.observation},
+                        {"observation", to_string(metadata.observation)},
                         {"action", metadata.action},
                         {"links", number_text(static_cast<std::uint64_t>(metadata.links))},
                         {"dt", number_text(metadata.dt)},
                         {"gamma", number_text(metadata.gamma)},
                         {"symmetry", to_string(metadata.symmetry)},
                         {"config", metadata.config}};
+  if (metadata.sampled) container.metadata["actions"] = "sampled";
   put_layers(container, kActor, parts.layers);
   put_vector(container, kLogStd, parts.log_std);
   return container;

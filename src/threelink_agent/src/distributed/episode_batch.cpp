@@ -11,8 +11,9 @@
 namespace threelink_agent {
 namespace {
 
-std::string hash_of(const std::vector<float>& values) {
-  return sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float)});
+template <class Value>
+std::string hash_of(const std::vector<Value>& values) {
+  return sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)});
 }
 
 bool finite(const std::vector<float>& values) {
@@ -32,13 +33,15 @@ void put(Rollout&& rollout, EpisodeBatch& batch) {
   batch.actions = std::move(rollout.actions);
   batch.log_probs = std::move(rollout.log_probs);
   batch.rewards = std::move(rollout.rewards);
+  batch.captured = std::move(rollout.captured);
 }
 
 std::string checksum(const EpisodeBatch& b) {
-  return sha256(fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {}", b.session, b.version,
+  return sha256(fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", b.session, b.version,
                             b.policy, b.lease, b.worker, b.first_episode, b.episodes, b.steps,
                             b.observation_size, b.hinges, hash_of(b.observations),
-                            hash_of(b.actions), hash_of(b.log_probs), hash_of(b.rewards)));
+                            hash_of(b.actions), hash_of(b.log_probs), hash_of(b.rewards),
+                            hash_of(b.captured)));
 }
 
 bool well_formed(const EpisodeBatch& batch, const Rollout& whole, int episodes) {
@@ -48,7 +51,7 @@ bool well_formed(const EpisodeBatch& batch, const Rollout& whole, int episodes) 
          batch.hinges == static_cast<std::uint32_t>(whole.hinges) &&
          batch.observations.size() == whole.observation_size * (samples + n) &&
          batch.actions.size() == whole.hinges * samples && batch.log_probs.size() == samples &&
-         batch.rewards.size() == samples;
+         batch.rewards.size() == samples && batch.captured.size() == samples;
 }
 
 bool all_finite(const EpisodeBatch& batch) {
@@ -57,7 +60,7 @@ bool all_finite(const EpisodeBatch& batch) {
 }
 
 void copy_episodes(const EpisodeBatch& batch, int from, int count, Rollout& rollout, int to) {
-  const auto copy = [&](const std::vector<float>& source, std::vector<float>& target) {
+  const auto copy = [&](const auto& source, auto& target) {
     const std::size_t rows = target.size() / rollout.episodes;
     for (std::size_t row = 0; row < rows; ++row)
       std::copy_n(&source[row * batch.episodes + from], count,
@@ -67,6 +70,7 @@ void copy_episodes(const EpisodeBatch& batch, int from, int count, Rollout& roll
   copy(batch.actions, rollout.actions);
   copy(batch.log_probs, rollout.log_probs);
   copy(batch.rewards, rollout.rewards);
+  copy(batch.captured, rollout.captured);
 }
 
 }  // namespace threelink_agent

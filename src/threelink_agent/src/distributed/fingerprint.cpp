@@ -1,6 +1,7 @@
 #include "threelink_agent/distributed/fingerprint.hpp"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -29,16 +30,19 @@ Linear random_layer(int inputs, int outputs, threelink_sim::Random& random) {
 }
 
 // Plays nine episodes, more than a register holds; eight of them side by side, one alone.
-std::string hash_of_episodes(int links) {
+std::string hash_of_episodes(int links, std::optional<HomingConfig> homing = {}) {
   constexpr int kWidth = 64, kTogether = 8, kAlone = 1;
   Play play{};
   play.environment.model.links = links;
   play.environment.steps = 25;
+  if (homing) play.environment.observation = threelink_sim::ObservationKind::kTarget;
+  play.homing = homing;
   play.canonical = Symmetry::kReversal;
   const int hinges = play.environment.model.hinges();
   threelink_sim::Random random(1, threelink_sim::Stream::kInitialisation, 0);
   std::vector<Linear> layers;
-  layers.push_back(random_layer(2 + hinges, kWidth, random));
+  layers.push_back(random_layer(
+      observation_size(play.environment.observation, play.environment.model), kWidth, random));
   layers.push_back(random_layer(kWidth, hinges, random));
   play.actor = Mlp(std::move(layers));
   play.log_std = Eigen::VectorXf::Constant(hinges, -0.7F);
@@ -52,6 +56,9 @@ std::string hash_of_episodes(int links) {
 
 }  // namespace
 
-std::string fingerprint() { return sha256(hash_of_episodes(3) + hash_of_episodes(5)); }
+std::string fingerprint() {
+  const HomingConfig homing{threelink_sim::ObservationKind::kTarget, 0.2, 0.002, 0.02, 0.004, 1.5};
+  return sha256(hash_of_episodes(3) + hash_of_episodes(5) + hash_of_episodes(3, homing));
+}
 
 }  // namespace threelink_agent

@@ -11,9 +11,13 @@ void LeasePlayer::load(const std::string& bytes, const std::string& source) {
     config_ = parse_train_config(yaml, source);
     yaml_ = yaml;
   }
-  play_ = Play{config_.environment, config_.symmetry.canonical,
-               policy.actor(),      policy.log_std(),
-               config_.seed,        0};
+  play_ = Play{config_.environment,
+               config_.homing,
+               config_.symmetry.canonical,
+               policy.actor(),
+               policy.log_std(),
+               config_.seed,
+               0};
   policy_ = sha256(bytes);
 }
 

@@ -21,7 +21,7 @@ std::string swimmer(const Policy& policy) {
   const auto& last = policy.actor().layers().back().weight;
   return fmt::format(
       "observation \"{}\" of {} links: first weight of shape ({}, {}), last of ({}, {})",
-      policy.metadata().observation, policy.metadata().links, first.rows(), first.cols(),
+      to_string(policy.metadata().observation), policy.metadata().links, first.rows(), first.cols(),
       last.rows(), last.cols());
 }
 
@@ -89,10 +89,12 @@ void Agent::on_observation(const threelink_msgs::Observation& observation) {
 bool Agent::acceptable(const threelink_msgs::Observation& observation) {
   const PolicyMetadata& metadata = policy_.metadata();
   std::string reason;
-  if (observation.kind != metadata.observation) {
+  if (observation.kind != to_string(metadata.observation)) {
     ++wrong_kind_;
-    reason = fmt::format("observation \"{}\", but policy {} takes \"{}\"", observation.kind,
-                         policy_.id(), metadata.observation);
+    reason = fmt::format(
+        "observation \"{}\", but policy {} takes \"{}\"; set the simulator's parameter "
+        "observation to that",
+        observation.kind, policy_.id(), to_string(metadata.observation));
   } else if (observation.values.size() != static_cast<std::size_t>(policy_.observation_size())) {
     ++wrong_length_;
     reason = fmt::format("observation of {} values, but policy {} takes {} ({} links)",

@@ -35,7 +35,8 @@ parameters
   ~policy       path of a policy file, required
   ~follow       instead of ~policy: wait for the first policy of a learner; later ones play from the
                 next episode on [false]
-  ~sampled      draw actions from the policy's distribution instead of taking the mean [false]
+  ~sampled      draw actions from the policy's distribution instead of taking the mean [what the
+                policy file says]
   ~seed         with episode and step it keys what is drawn [0]
 
 A policy that is damaged or for another swimmer is refused, and the one in use stays.
@@ -91,10 +92,6 @@ int run() {
   AgentConfig config;
   config.follow = parameters.flag("follow", false);
   std::string source = config.follow ? "" : parameters.text("policy");
-  const bool sampled = parameters.flag("sampled", false);
-  const int seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
-  parameters.finish();
-  if (sampled) config.seed = seed;
   std::optional<Policy> policy;
   try {
     policy = config.follow ? first_policy(source) : Policy::load(source);
@@ -102,6 +99,10 @@ int run() {
     parameters.refuse("policy", error.what());
   }
   if (!policy) return threelink_sim::kSuccess;
+  const bool sampled = parameters.flag("sampled", policy->metadata().sampled);
+  const int seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
+  parameters.finish();
+  if (sampled) config.seed = seed;
   Agent agent(std::move(*policy), source, config);
   return threelink_sim::spin();
 }

@@ -69,6 +69,7 @@ Rollout LiveLoop::play(const Play& play, int episodes) {
 
 // The swimmer may have been started anew, with other parameters.
 void LiveLoop::check_swimmer(const Play& play) {
+  if (play.homing) throw NoRollout("a topic loop trains directions, not points (homing)");
   const std::string name = ros::names::resolve(config_.simulator);
   if (!ros::param::has(name))
     throw NoRollout(fmt::format("there are no parameters of a node {} (~simulator)", name));

@@ -36,6 +36,7 @@ void move_batch(From&& from, To& to) {
   to.actions = std::move(from.actions);
   to.log_probs = std::move(from.log_probs);
   to.rewards = std::move(from.rewards);
+  to.captured = std::move(from.captured);
   to.checksum = std::move(from.checksum);
   to.given_back = std::move(from.given_back);
 }

@@ -5,6 +5,7 @@
 namespace threelink_agent {
 
 Advantages generalised_advantages(int steps, int episodes, const std::vector<float>& rewards,
+                                  const std::vector<std::uint8_t>& captured,
                                   const std::vector<float>& values,
                                   const AdvantageSettings& settings) {
   const float discount = static_cast<float>(settings.discount);
@@ -15,6 +16,7 @@ Advantages generalised_advantages(int steps, int episodes, const std::vector<flo
   for (int t = steps - 1; t >= 0; --t) {
     for (int i = 0; i < episodes; ++i) {
       const int k = t * episodes + i;
+      if (captured[k]) next_value[i] = advantage[i] = 0;
       const float delta = rewards[k] + discount * next_value[i] - values[k];
       advantage[i] = delta + decay * advantage[i];
       next_value[i] = values[k];

@@ -18,8 +18,9 @@ FusedUpdate::FusedUpdate(const TrainConfig& config, int threads, threelink_sim::
     : config_((config.validate(), config)),
       isa_(isa),
       kernels_(&gradient_kernels(isa)),
-      row_{threelink_sim::direction_observation_size(config.environment.model),
-           config.environment.model.hinges()},
+      row_{
+          threelink_sim::observation_size(config.environment.observation, config.environment.model),
+          config.environment.model.hinges()},
       actor_({start.parameters.actor, start.parameters.log_std}, *kernels_),
       critic_({start.parameters.critic, {}}, *kernels_),
       actor_slices_(kSlices, FusedNetwork::Slice(actor_, row_.stride())),

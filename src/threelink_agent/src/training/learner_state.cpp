@@ -8,11 +8,13 @@
 namespace threelink_agent {
 namespace {
 
+using threelink_sim::ObservationKind;
+
 constexpr std::uint32_t kActor = 0, kCritic = 1;  // keys of the random numbers
 
-std::vector<Linear> initial_layers(const TrainConfig& config, int outputs, std::uint32_t network,
-                                   double last_gain) {
-  std::vector<int> sizes{threelink_sim::direction_observation_size(config.environment.model)};
+std::vector<Linear> initial_layers(const TrainConfig& config, ObservationKind observation,
+                                   int outputs, std::uint32_t network, double last_gain) {
+  std::vector<int> sizes{threelink_sim::observation_size(observation, config.environment.model)};
   sizes.insert(sizes.end(), config.hidden.begin(), config.hidden.end());
   sizes.push_back(outputs);
   std::vector<Linear> layers(sizes.size() - 1);
@@ -62,10 +64,10 @@ bool LearnerState::all_finite() const {
 LearnerState initial_state(const TrainConfig& config) {
   const int hinges = config.environment.model.hinges();
   LearnerState state;
-  state.parameters.actor = initial_layers(config, hinges, kActor, 0.01);
+  state.parameters.actor = initial_layers(config, config.actor_observation(), hinges, kActor, 0.01);
   state.parameters.log_std =
       Eigen::VectorXf::Constant(hinges, static_cast<float>(std::log(config.exploration.std)));
-  state.parameters.critic = initial_layers(config, 1, kCritic, 1.0);
+  state.parameters.critic = initial_layers(config, config.environment.observation, 1, kCritic, 1.0);
   state.mean = state.variance = zeros_like(state.parameters);
   return state;
 }

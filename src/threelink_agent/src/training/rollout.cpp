@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "threelink_agent/symmetry.hpp"
 #include "threelink_agent/training/gaussian.hpp"
@@ -17,13 +18,14 @@ using threelink_sim::Stream;
 Rollout::Rollout(const EnvironmentConfig& config, int episodes)
     : steps(static_cast<int>(config.steps)),
       episodes(episodes),
-      observation_size(threelink_sim::direction_observation_size(config.model)),
+      observation_size(threelink_sim::observation_size(config.observation, config.model)),
       hinges(config.model.hinges()) {
   const std::size_t stride = std::size_t(steps) * episodes;
   observations.resize(observation_size * (stride + episodes));
   actions.resize(hinges * stride);
   log_probs.resize(stride);
   rewards.resize(stride);
+  captured.resize(stride);
 }
 
 double Rollout::mean_return() const {
@@ -53,7 +55,7 @@ void RolloutActor::see(int t, const double* observed) {
   if (play_->canonical == Symmetry::kReversal)
     for (int i = 0; i < n_; ++i) {
       reversed_[i] = observed[i] < 0;
-      if (reversed_[i]) reverse_observation(seen_.data(), rollout_->hinges, n_, i);
+      if (reversed_[i]) reverse_observation(seen_.data(), inputs, rollout_->hinges, n_, i);
     }
   for (int k = 0; k < inputs; ++k)
     std::copy_n(&seen_[k * n_], n_, &rollout_->observations[k * stride + at(t)]);
@@ -87,6 +89,9 @@ void collect(const Play& play, int begin, int end, Rollout& rollout) {
   const int n = end - begin;
   Environment environment(play.environment, n);
   for (int i = 0; i < n; ++i) environment.reset(i, start_of(play, begin + i));
+  std::optional<HomingTargets> targets;
+  if (play.homing)
+    targets.emplace(*play.homing, play.seed, play.first_episode + begin, environment);
   RolloutActor actor(play, begin, end, rollout);
   std::vector<double> observed(rollout.observation_size * n);
   const auto observe = [&](int t) {
@@ -96,7 +101,11 @@ void collect(const Play& play, int begin, int end, Rollout& rollout) {
   for (int t = 0; t < rollout.steps; ++t) {
     observe(t);
     environment.step(actor.act(t));
-    actor.earn(t, environment.rewards());
+    const std::size_t at = std::size_t(t) * rollout.episodes + begin;
+    if (targets)
+      targets->after_step(t, &rollout.rewards[at], &rollout.captured[at]);
+    else
+      actor.earn(t, environment.rewards());
   }
   observe(rollout.steps);
 }
@@ -109,8 +118,8 @@ void mirror_half(Rollout& rollout, std::uint64_t seed, std::uint32_t first_episo
     threelink_sim::Random random(seed, Stream::kMirror, first_episode + i);
     if (random.below(2) == 0) continue;
     for (int t = 0; t <= rollout.steps; ++t)
-      mirror_observation(rollout.observations.data(), rollout.hinges, observation_stride,
-                         t * n + i);
+      mirror_observation(rollout.observations.data(), rollout.observation_size, rollout.hinges,
+                         observation_stride, t * n + i);
     for (int t = 0; t < rollout.steps; ++t)
       mirror_rates(rollout.actions.data(), rollout.hinges, stride, t * n + i);
   }

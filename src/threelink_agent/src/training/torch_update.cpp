@@ -147,10 +147,11 @@ UpdateStatistics TorchUpdate::run(const Rollout& rollout, const Advantages& adva
 void TorchUpdate::train_actor(const Batch& batch, std::uint32_t update,
                               UpdateStatistics& statistics) {
   const double epsilon = config_.update.clip;
+  const Tensor seen = batch.observations.narrow(1, 0, actor_.inputs());
   double loss_sum = 0;
   for_each_minibatch(batch.size(), update, [&](std::uint32_t epoch, const Tensor& chosen) {
     const Tensor advantages = batch.advantages.index_select(0, chosen);
-    const Tensor mean = actor_.forward(batch.observations.index_select(0, chosen));
+    const Tensor mean = actor_.forward(seen.index_select(0, chosen));
     const Tensor log_ratio =
         log_probability(batch.actions.index_select(0, chosen), mean, log_std_) -
         batch.log_probs.index_select(0, chosen);

@@ -32,6 +32,22 @@ void TrainConfig::validate() const {
   }
   check_count("environment.steps", environment.steps, 1'000'000);
 
+  using threelink_sim::ObservationKind;
+  const auto critic = homing ? ObservationKind::kTarget : ObservationKind::kDirection;
+  if (environment.observation != critic)
+    refuse("environment.observation", to_string(environment.observation), to_string(critic));
+  if (homing) {
+    const auto check = [](const char* key, double value, double least, double most) {
+      if (!(value >= least && value <= most))
+        refuse(key, value, fmt::format("in [{}, {}]", least, most));
+    };
+    check("homing.direction_share", homing->direction_share, 0, 1);
+    check("homing.nearest", homing->nearest, 1e-9, 1e3);
+    check("homing.farthest", homing->farthest, homing->nearest, 1e3);
+    check("homing.threshold", homing->threshold, 1e-9, 1e3);
+    check("homing.bonus", homing->bonus, 0, 1e6);
+  }
+
   if (hidden.empty() || hidden.size() > 8)
     refuse("hidden", fmt::format("{} layers", hidden.size()), "1 to 8 layers");
   for (int width : hidden)

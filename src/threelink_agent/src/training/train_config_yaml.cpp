@@ -54,6 +54,14 @@ void visit_fields(Config& config, Visitor&& visit) {
   visit("update.actor_learning_rate", config.update.actor_learning_rate);
   visit("update.critic_learning_rate", config.update.critic_learning_rate);
   visit("update.final_learning_rate", config.update.final_learning_rate);
+  if (config.homing) {
+    visit("homing.observation", config.homing->observation);
+    visit("homing.direction_share", config.homing->direction_share);
+    visit("homing.nearest", config.homing->nearest);
+    visit("homing.farthest", config.homing->farthest);
+    visit("homing.threshold", config.homing->threshold);
+    visit("homing.bonus", config.homing->bonus);
+  }
 }
 
 // --- Reading -------------------------------------------------------------------------------------
@@ -127,12 +135,22 @@ void read(const std::string& key, const YAML::Node& node, std::vector<int>& fiel
     read(fmt::format("{}[{}]", key, i), node[i], field[i]);
 }
 
-void read(const std::string& key, const YAML::Node& node, Symmetry& field) {
+// Of a word that `parse` knows.
+template <class Parse>
+auto word(const std::string& key, const YAML::Node& node, Parse parse) {
   try {
-    field = symmetry_from_string(scalar<std::string>(key, node, "a word"));
+    return parse(scalar<std::string>(key, node, "a word"));
   } catch (const std::invalid_argument& error) {
     throw ConfigError(fmt::format("{} = {}: {}", key, shown(node), error.what()));
   }
+}
+
+void read(const std::string& key, const YAML::Node& node, Symmetry& field) {
+  field = word(key, node, symmetry_from_string);
+}
+
+void read(const std::string& key, const YAML::Node& node, threelink_sim::ObservationKind& field) {
+  field = word(key, node, threelink_sim::observation_kind_from_string);
 }
 
 TrainConfig read(const YAML::Node& root) {
@@ -140,6 +158,10 @@ TrainConfig read(const YAML::Node& root) {
   Leaves leaves;
   flatten(root, "", leaves);
   TrainConfig config;
+  if (root["homing"]) {
+    config.homing.emplace();
+    config.environment.observation = threelink_sim::ObservationKind::kTarget;
+  }
   std::vector<std::string> known, missing;
   visit_fields(config, [&](const char* key, auto& field) {
     known.push_back(key);
@@ -167,6 +189,7 @@ std::string written(const Integer& value) {
   return fmt::format("{}", value);
 }
 std::string written(Symmetry value) { return to_string(value); }
+std::string written(threelink_sim::ObservationKind value) { return to_string(value); }
 std::string written(const std::vector<int>& value) {
   return fmt::format("[{}]", fmt::join(value, ", "));
 }
@@ -218,10 +241,15 @@ std::string to_yaml(const TrainConfig& config) {
 }
 
 std::optional<ConfigDifference> first_difference(const TrainConfig& a, const TrainConfig& b) {
-  // The keys are the same up to the first value that differs.
+  // The keys are the same up to the first value that differs, or to the end of one of them.
   const Pairs of_a = pairs_of(a), of_b = pairs_of(b);
-  for (std::size_t i = 0; i < std::min(of_a.size(), of_b.size()); ++i)
-    if (of_a[i] != of_b[i]) return ConfigDifference{of_a[i].first, of_a[i].second, of_b[i].second};
+  const std::pair<std::string, std::string> nothing{"", "nothing"};
+  for (std::size_t i = 0; i < std::max(of_a.size(), of_b.size()); ++i) {
+    const auto& in_a = i < of_a.size() ? of_a[i] : nothing;
+    const auto& in_b = i < of_b.size() ? of_b[i] : nothing;
+    if (in_a != in_b)
+      return ConfigDifference{std::max(in_a.first, in_b.first), in_a.second, in_b.second};
+  }
   return {};
 }
 

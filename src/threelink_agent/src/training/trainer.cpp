@@ -84,7 +84,8 @@ UpdateReport Trainer::update() {
   const std::uint32_t first = state_.update * config_.update.episodes;
   const auto episodes = std::min(config_.update.episodes, config_.episodes - first);
   const Play play{
-      config_.environment, config_.symmetry.canonical, ppo_->actor(), log_std, config_.seed, first};
+      config_.environment, config_.homing, config_.symmetry.canonical, ppo_->actor(), log_std,
+      config_.seed,        first};
   Rollout rollout = play_or_restore(play, static_cast<int>(episodes));
   if (config_.symmetry.mirror) mirror_half(rollout, config_.seed, first);
 
@@ -145,10 +146,10 @@ Advantages Trainer::advantages(const Rollout& rollout) const {
   const int states = (rollout.steps + 1) * rollout.episodes;
   std::vector<float> values(states);
   ppo_->critic().forward(states, rollout.observations.data(), values.data());
-  Advantages result =
-      generalised_advantages(rollout.steps, rollout.episodes, rollout.rewards, values,
-                             {config_.advantage.discount, config_.advantage.lambda,
-                              config_.advantage.bootstrap_at_time_limit});
+  Advantages result = generalised_advantages(rollout.steps, rollout.episodes, rollout.rewards,
+                                             rollout.captured, values,
+                                             {config_.advantage.discount, config_.advantage.lambda,
+                                              config_.advantage.bootstrap_at_time_limit});
   if (config_.advantage.normalise) normalise(result.advantages);
   return result;
 }
@@ -159,16 +160,36 @@ Policy Trainer::policy() const {
 
 Evaluation Trainer::evaluate_present() {
   const Policy present = policy();
+  const int starts = trials(double(state_.update) / config_.updates());
+  if (config_.homing) {
+    const Evaluation evaluation = evaluate(present, 0, config_.seed);
+    const double rate = capture_rate(config_, present, starts);
+    keep_if_best(present, rate * objective(evaluation, config_.environment));
+    return evaluation;
+  }
   // A score is at most the objective if that is positive, and at most 0 if not: most policies need
   // no random starts to be seen not to be the best.
   Evaluation evaluation = evaluate(present, 0, config_.seed);
   const double most = std::max(objective(evaluation, config_.environment), 0.0);
   if (!finished() && state_.best && !(most > state_.best->score)) return evaluation;
-  evaluation = evaluate(present, trials(double(state_.update) / config_.updates()), config_.seed);
-  const double present_score = score(evaluation, config_.environment);
-  if (!state_.best || present_score > state_.best->score)
-    state_.best = BestPolicy{present, present_score};
+  evaluation = evaluate(present, starts, config_.seed);
+  keep_if_best(present, score(evaluation, config_.environment));
   return evaluation;
+}
+
+void Trainer::keep_if_best(const Policy& present, double score) {
+  if (!state_.best || score > state_.best->score) state_.best = BestPolicy{present, score};
+}
+
+double capture_rate(const TrainConfig& config, const Policy& policy, int episodes) {
+  HomingConfig points_only = config.homing.value();
+  points_only.direction_share = 0;
+  Rollout rollout(config.environment, episodes);
+  collect({config.environment, points_only, config.symmetry.canonical, policy.actor(),
+           policy.log_std(), config.seed, 0},
+          0, episodes, rollout);
+  const auto captures = std::count(rollout.captured.begin(), rollout.captured.end(), 1);
+  return static_cast<double>(captures) / rollout.captured.size();
 }
 
 double objective(const Evaluation& evaluation,
@@ -185,6 +206,8 @@ double score(const Evaluation& evaluation, const threelink_sim::EnvironmentConfi
 
 PolicyMetadata policy_metadata(const TrainConfig& config) {
   PolicyMetadata metadata;
+  metadata.observation = config.actor_observation();
+  metadata.sampled = config.homing.has_value();  // the noise breaks the orbits around a point
   metadata.links = config.environment.model.links;
   metadata.dt = config.environment.dt;
   metadata.gamma = config.environment.model.gamma;

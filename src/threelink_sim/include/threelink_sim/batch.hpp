@@ -39,6 +39,10 @@ class Batch {
   // Of every heading, by the kernels (so that all instruction sets give the same bits).
   void heading_sincos(double* sine, double* cosine) const;
 
+  // What an observation tells of a distance r [L] (n): weight w = tanh(r / 0.1) and (ln r + 4) / 2;
+  // likewise by the kernels.
+  void look_at_distance(const double* r, double* weight, double* log) const;
+
  private:
   Model model_;
   const Kernels* kernels_;

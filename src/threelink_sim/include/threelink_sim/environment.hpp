@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "threelink_sim/batch.hpp"
+#include "threelink_sim/observation.hpp"
 
 namespace threelink_sim {
 
@@ -19,13 +20,11 @@ struct EnvironmentConfig {
   double b = 6.0;             // weight of the progress, > 0
   double c = 0.0;             // weight of the work, >= 0; 0 is the Velocity-Focused Strategy
   std::uint32_t steps = 200;  // N_s, time limit of an episode, > 0
+  ObservationKind observation = ObservationKind::kDirection;
 
   // Throws std::invalid_argument that names field, value and bound.
   void validate() const;
 };
-
-// Size of the observation "direction": cos theta_d, sin theta_d, alpha_1 .. alpha_{N-1}.
-inline int direction_observation_size(const Model& model) { return 2 + model.hinges(); }
 
 class Environment {
  public:
@@ -34,16 +33,23 @@ class Environment {
 
   const EnvironmentConfig& config() const { return config_; }
   std::size_t lanes() const { return batch_.size(); }
+  int observation_size() const {
+    return threelink_sim::observation_size(config_.observation, config_.model);
+  }
   const Batch& batch() const { return batch_; }
 
-  // Starts lane i anew. The direction p = (cos theta_T, sin theta_T) stays (1, 0) until it is set.
+  // Starts lane i anew, with a target infinitely far away towards p = (1, 0) until there is
+  // another.
   void reset(std::size_t i, const SwimmerState& state);
 
-  // [1] unit vector to the target; defines the observation and the next step's reward.
+  // The target, as seen from where lane i is now; defines the observation and the next step's
+  // reward: a point [L], or [1] the unit vector p to one infinitely far away.
+  void aim(std::size_t i, const Eigen::Vector2d& target);
   void set_direction(std::size_t i, const Eigen::Vector2d& p);
-  Eigen::Vector2d direction(std::size_t i) const { return {px_[i], py_[i]}; }
+  Eigen::Vector2d direction(std::size_t i) const { return {px_[i], py_[i]}; }  // p
+  double distance(std::size_t i) const { return distance_[i]; }  // [L] when it was set
 
-  // The observation "direction" of every lane, component k of lane i at out[k * lanes() + i]:
+  // The observation of every lane, component k of lane i at out[k * lanes() + i], with
   //   cos theta_d = c p_x + s p_y,  sin theta_d = s p_x - c p_y,  (c, s) of the heading.
   void observe(double* out) const;
 
@@ -56,8 +62,8 @@ class Environment {
   EnvironmentConfig config_;
   int substeps_;
   Batch batch_;
-  std::vector<double> px_, py_, reward_;
-  mutable std::vector<double> sine_, cosine_;
+  std::vector<double> px_, py_, distance_, reward_;
+  mutable std::vector<double> sine_, cosine_, clipped_;
 };
 
 // A start with all orientations free: centroid at the origin, heading uniform in (-pi, pi), hinge

@@ -19,8 +19,6 @@
 #include <cstdint>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace threelink_sim {
 
 // Why a message was refused; kAccepted if it was not.
@@ -95,15 +93,5 @@ class Lockstep {
   Time asked_;  // when the answer that is awaited was asked for
   Time due_;    // when the pace allows the step
 };
-
-// Unit vector p = (x_T - x_c) / |x_T - x_c| from the centroid to the target, and the distance.
-// Never overflows: any finite target has a finite direction; a target on the centroid keeps the
-// previous one, and a distance above the largest double is that.
-struct TargetDirection {
-  Eigen::Vector2d p;  // [1]
-  double distance;    // that of the arguments, [L]
-};
-TargetDirection target_direction(const Eigen::Vector2d& centroid, const Eigen::Vector2d& target,
-                                 const Eigen::Vector2d& previous);
 
 }  // namespace threelink_sim

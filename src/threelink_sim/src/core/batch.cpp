@@ -53,4 +53,8 @@ void Batch::heading_sincos(double* sine, double* cosine) const {
   kernels_->sincos(n_, heading_.data(), sine, cosine);
 }
 
+void Batch::look_at_distance(const double* r, double* weight, double* log) const {
+  kernels_->distance(n_, r, weight, log);
+}
+
 }  // namespace threelink_sim

@@ -1,6 +1,7 @@
 #include "threelink_sim/environment.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -26,9 +27,11 @@ Environment::Environment(const EnvironmentConfig& config, std::size_t lanes, con
       batch_(config.model, lanes, kernels),
       px_(lanes, 1.0),
       py_(lanes, 0.0),
+      distance_(lanes),
       reward_(lanes),
       sine_(lanes),
-      cosine_(lanes) {
+      cosine_(lanes),
+      clipped_(lanes) {
   SwimmerState straight;
   straight.alpha = HingeVector::Zero(config.model.hinges());
   for (std::size_t i = 0; i < lanes; ++i) reset(i, straight);
@@ -36,14 +39,21 @@ Environment::Environment(const EnvironmentConfig& config, std::size_t lanes, con
 
 void Environment::reset(std::size_t i, const SwimmerState& state) {
   batch_.set_state(i, state);
-  px_[i] = 1.0;
-  py_[i] = 0.0;
+  set_direction(i, {1.0, 0.0});
   reward_[i] = 0.0;
+}
+
+void Environment::aim(std::size_t i, const Eigen::Vector2d& target) {
+  const TargetDirection to_target =
+      target_direction({batch_.x()[i], batch_.y()[i]}, target, direction(i));
+  set_direction(i, to_target.p);
+  distance_[i] = to_target.distance;
 }
 
 void Environment::set_direction(std::size_t i, const Eigen::Vector2d& p) {
   px_[i] = p.x();
   py_[i] = p.y();
+  distance_[i] = std::numeric_limits<double>::infinity();
 }
 
 void Environment::observe(double* out) const {
@@ -55,6 +65,15 @@ void Environment::observe(double* out) const {
   }
   for (int j = 0; j < config_.model.hinges(); ++j)
     std::copy_n(batch_.alpha(j), n, out + (2 + j) * n);
+  if (config_.observation != ObservationKind::kTarget) return;
+  double* weighted_cosine = out + (2 + config_.model.hinges()) * n;
+  double* weighted_sine = weighted_cosine + n;
+  for (std::size_t i = 0; i < n; ++i) clipped_[i] = std::clamp(distance_[i], kNearest, kFarthest);
+  batch_.look_at_distance(clipped_.data(), weighted_cosine, weighted_sine + n);
+  for (std::size_t i = 0; i < n; ++i) {
+    weighted_sine[i] = weighted_cosine[i] * out[n + i];
+    weighted_cosine[i] *= out[i];
+  }
 }
 
 void Environment::step(const double* rates) {

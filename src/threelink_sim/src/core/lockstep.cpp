@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 namespace threelink_sim {
@@ -106,18 +105,6 @@ Lockstep::Time Lockstep::deadline() const {
       break;
   }
   return Time::max();
-}
-
-TargetDirection target_direction(const Eigen::Vector2d& centroid, const Eigen::Vector2d& target,
-                                 const Eigen::Vector2d& previous) {
-  constexpr double kMax = std::numeric_limits<double>::max();
-  const Eigen::Vector2d offset = target - centroid;
-  // Neither the square nor, were both components near the largest double, the length overflows.
-  const double scale = offset.cwiseAbs().maxCoeff();
-  if (scale == 0) return {previous, 0};
-  const Eigen::Vector2d scaled = offset / scale;
-  const double length = scaled.norm();
-  return {scaled / length, std::min(scale * length, kMax)};
 }
 
 }  // namespace threelink_sim

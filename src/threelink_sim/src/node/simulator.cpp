@@ -77,8 +77,8 @@ Simulator::Simulator(const SimulatorConfig& config)
   abort_publisher_ = node_.advertise<threelink_msgs::EpisodeAbort>(topics::kAbort, 10);
 
   publish_clock();
-  observation_.kind = config.observation;
-  observation_.values.resize(direction_observation_size(config.environment.model));
+  observation_.kind = to_string(config.environment.observation);
+  observation_.values.resize(environment_.observation_size());
 
   ros::NodeHandle lockstep_node;
   if (config.realtime_factor == 0) lockstep_node.setCallbackQueue(&direct_queue_);
@@ -189,10 +189,8 @@ void Simulator::on_target(const geometry_msgs::PointStamped& message) {
   const Verdict verdict =
       lockstep_.target(message.header.stamp.toNSec(), target.x(), target.y(), steady_clock::now());
   if (!refused_targets_.accept(verdict)) return;
-  const TargetDirection to_target =
-      target_direction({state_.centroid[0], state_.centroid[1]}, target, environment_.direction(0));
-  environment_.set_direction(0, to_target.p);
-  publish_observation(to_target.distance);
+  environment_.aim(0, target);
+  publish_observation();
   view_.set_target(metres);
 }
 
@@ -260,14 +258,14 @@ void Simulator::publish_state() {
   view_.add(state_);
 }
 
-void Simulator::publish_observation(double distance) {
+void Simulator::publish_observation() {
   const Eigen::Vector2d p = environment_.direction(0);
   observation_.header.stamp = state_.header.stamp;
   observation_.episode = state_.episode;
   observation_.step = state_.step;
   environment_.observe(observation_.values.data());
   observation_.theta_t = std::atan2(p.y(), p.x());
-  observation_.distance = distance;
+  observation_.distance = environment_.distance(0);
   observation_publisher_.publish(observation_);
 }
 

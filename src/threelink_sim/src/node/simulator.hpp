@@ -59,7 +59,7 @@ class Simulator {
   void step(Time now);
   void abort();
   void publish_state();
-  void publish_observation(double distance);
+  void publish_observation();
   void publish_standard();
   void publish_clock();
   void report(Diagnostics::Status& status, double seconds);

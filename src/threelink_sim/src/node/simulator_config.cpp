@@ -33,8 +33,9 @@ SimulatorConfig read_simulator_config(ParameterMap& parameters) {
   config.environment.dt = parameters.real("dt", {1e-3, 1}, 0.1);
   config.environment.b = parameters.real("reward_b", {1e-6, 1e6}, 6.0);
   config.environment.c = parameters.real("reward_c", {0, 1e6}, 0.0);
-  config.observation = parameters.choice("observation", {threelink_msgs::Observation::DIRECTION},
-                                         threelink_msgs::Observation::DIRECTION);
+  using threelink_msgs::Observation;
+  config.environment.observation = observation_kind_from_string(parameters.choice(
+      "observation", {Observation::DIRECTION, Observation::TARGET}, Observation::DIRECTION));
   config.scales.length = parameters.real("length_scale", {1e-9, 1e6}, 1.0);
   config.scales.time = parameters.real("time_scale", {1e-3, 1e3}, 1.0);
   config.realtime_factor = parameters.real("realtime_factor", {0, 1e4}, 1.0);

@@ -39,7 +39,7 @@ EpisodeResult run_episode(Task& task, threelink_sim::Environment& environment,
     now.target = task.target();
     now.rates.resize(0);
     if (outcome == Outcome::kRunning) {
-      aim(environment, 0, now.target);
+      environment.aim(0, now.target);
       environment.observe(observation.data());
       now.rates.resize(policy.hinges());
       const threelink_agent::ActionKey key{seed, episode, static_cast<std::uint32_t>(now.step)};

@@ -14,9 +14,6 @@ void require_fit(const threelink_agent::Policy& policy,
 threelink_sim::SwimmerState start_state(const threelink_sim::Model& model, const Start& start,
                                         std::uint64_t seed, std::uint32_t episode);
 
-// Makes `target` [L] the one that lane i observes.
-void aim(threelink_sim::Environment& environment, std::size_t i, const Eigen::Vector2d& target);
-
 // [L] centroid of lane i.
 inline Eigen::Vector2d centroid(const threelink_sim::Environment& environment, std::size_t i) {
   return {environment.batch().x()[i], environment.batch().y()[i]};

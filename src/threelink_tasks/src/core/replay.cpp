@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "threelink_sim/lockstep.hpp"
-
 namespace threelink_tasks {
 
 using threelink_sim::HingeVector;
@@ -28,15 +26,13 @@ ReplayedState Replay::state() const {
 }
 
 ReplayedObservation Replay::observe(const Eigen::Vector2d& target) {
-  const Eigen::Vector2d centroid(environment_.batch().x()[0], environment_.batch().y()[0]);
-  const threelink_sim::TargetDirection to_target =
-      threelink_sim::target_direction(centroid, target, environment_.direction(0));
-  environment_.set_direction(0, to_target.p);
+  environment_.aim(0, target);
   ReplayedObservation observation;
-  observation.values.resize(direction_observation_size(environment_.config().model));
+  observation.values.resize(environment_.observation_size());
   environment_.observe(observation.values.data());
-  observation.theta_t = std::atan2(to_target.p.y(), to_target.p.x());
-  observation.distance = to_target.distance;
+  const Eigen::Vector2d p = environment_.direction(0);
+  observation.theta_t = std::atan2(p.y(), p.x());
+  observation.distance = environment_.distance(0);
   return observation;
 }
 

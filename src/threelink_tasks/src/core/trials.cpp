@@ -76,7 +76,7 @@ class Trials {
     const Outcome outcome = lane.task->observe(here);
     const Eigen::Vector2d target = lane.task->target();
     if (outcome == Outcome::kRunning) {
-      aim(environment_, i, target);
+      environment_.aim(i, target);
       return true;
     }
     trials_[lane.episode - 1] = {
@@ -93,6 +93,7 @@ class Trials {
       if (!lanes_[i].playing) continue;
       smaller.reset(rest.size(), environment_.batch().state(i));
       smaller.set_direction(rest.size(), environment_.direction(i));
+      smaller.aim(rest.size(), lanes_[i].task->target());
       rest.push_back(std::move(lanes_[i]));
     }
     lanes_ = std::move(rest);

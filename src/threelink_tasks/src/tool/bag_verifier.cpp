@@ -119,7 +119,7 @@ bool BagVerifier::answer() {
   observation.header.stamp = stamp();
   observation.episode = start_.episode;
   observation.step = step_;
-  observation.kind = simulator_.observation;
+  observation.kind = to_string(simulator_.environment.observation);
   observation.values = seen.values;
   observation.theta_t = seen.theta_t;
   observation.distance = seen.distance;

@@ -18,6 +18,7 @@ struct EpisodeBatch {
   std::uint32_t first_episode = 0;  // number in the training
   std::uint32_t episodes = 0, steps = 0, observation_size = 0, hinges = 0;
   std::vector<float> observations, actions, log_probs, rewards;  // as in Rollout
+  std::vector<std::uint8_t> captured;                            // likewise
   std::string checksum;
   std::string given_back;  // why the lease comes back without its episodes; empty: it was played
 };
@@ -28,7 +29,7 @@ void put(Rollout&& rollout, EpisodeBatch& batch);
 // sha256 (64 hex digits) of the text that follows, where [x] stands for the sha256 of an array's
 // bytes, float32 in little-endian order:
 //   "session version policy lease worker first_episode episodes steps observation_size hinges
-//    [observations] [actions] [log_probs] [rewards]"
+//    [observations] [actions] [log_probs] [rewards] [captured]"
 // separated by single spaces, numbers in decimal.
 std::string checksum(const EpisodeBatch& batch);
 

@@ -1,6 +1,7 @@
 // How much better an action was than expected (Schulman et al. 2016, arXiv:1506.02438).
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 namespace threelink_agent {
@@ -24,10 +25,12 @@ struct Advantages {
 //   delta_t = r_t + Gamma V_{t+1} - V_t,   A_t = delta_t + Gamma lambda A_{t+1},   R_t = A_t + V_t
 //
 // with A_{steps} = 0, and V_{steps} = 0 if the time limit does not bootstrap. lambda = 1 without
-// bootstrap is the paper's R_k - V_k with Monte-Carlo returns.
+// bootstrap is the paper's R_k - V_k with Monte-Carlo returns. Where captured_t is 1, V_{t+1} and
+// A_{t+1} count as 0: what follows is another way, to another target.
 //
-// rewards (steps, episodes), values (steps + 1, episodes).
+// rewards, captured (steps, episodes), values (steps + 1, episodes).
 Advantages generalised_advantages(int steps, int episodes, const std::vector<float>& rewards,
+                                  const std::vector<std::uint8_t>& captured,
                                   const std::vector<float>& values,
                                   const AdvantageSettings& settings);
 

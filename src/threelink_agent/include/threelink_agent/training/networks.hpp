@@ -16,6 +16,7 @@ class TanhNetwork : public torch::nn::Module {
  public:
   TanhNetwork(const std::string& name, const std::vector<Linear>& layers);
 
+  std::int64_t inputs() const { return layers_.front()->weight.size(1); }
   torch::Tensor forward(torch::Tensor x);  // (n, inputs) -> (n, outputs)
 
   // Copies of the parameters, in and out; `layers` must have the shapes of layers().

@@ -2,18 +2,21 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "threelink_agent/policy.hpp"
 #include "threelink_agent/training/exploration_noise.hpp"
+#include "threelink_agent/training/homing.hpp"
 #include "threelink_sim/environment.hpp"
 
 namespace threelink_agent {
 
 // Structure of arrays over samples: step t of episode i is sample t * episodes + i. Observations
-// and actions are those of the network, that is after canonicalisation.
+// and actions are those of the network, that is after canonicalisation. Observations are the
+// critic's; the actor is shown their first numbers, as many as it takes.
 struct Rollout {
   int steps;  // N_s
   int episodes;
@@ -24,6 +27,7 @@ struct Rollout {
   std::vector<float> actions;    // (A, steps, episodes) [1/T0] as sampled, before any clipping
   std::vector<float> log_probs;  // (steps, episodes) of the sampled action when it was sampled
   std::vector<float> rewards;    // (steps, episodes)
+  std::vector<std::uint8_t> captured;  // (steps, episodes) 1: the step ended in a capture, else 0
 
   Rollout(const threelink_sim::EnvironmentConfig& config, int episodes);
 
@@ -34,9 +38,10 @@ struct Rollout {
 // How episodes are played.
 struct Play {
   threelink_sim::EnvironmentConfig environment;
-  Symmetry canonical;       // applied to what the network sees
-  Mlp actor;                // the mean of the actions
-  Eigen::VectorXf log_std;  // (A) of their standard deviation [1/T0]
+  std::optional<HomingConfig> homing;  // else all episodes go towards theta_T = 0
+  Symmetry canonical;                  // applied to what the network sees
+  Mlp actor;                           // the mean of the actions
+  Eigen::VectorXf log_std;             // (A) of their standard deviation [1/T0]
   std::uint64_t seed;
   std::uint32_t first_episode;  // number of the rollout's first one
 };
@@ -73,10 +78,10 @@ class RolloutActor {
   std::vector<double> rates_;
 };
 
-// Plays the rollout's episodes begin .. end - 1 side by side from random starts towards theta_T =
-// 0. Actions are mean + std * noise; the environment clips them, the log-probability is that of the
-// unclipped ones. Start and noise are keyed by (seed, number of the episode, step), so that an
-// episode does not depend on which others are played with it.
+// Plays the rollout's episodes begin .. end - 1 side by side from random starts. Actions are mean +
+// std * noise; the environment clips them, the log-probability is that of the unclipped ones. Start
+// and noise are keyed by (seed, number of the episode, step), so that an episode does not depend on
+// which others are played with it.
 void collect(const Play& play, int begin, int end, Rollout& rollout);
 
 // Shows a random half of the episodes mirrored, keyed by (seed, episode). The log-probabilities

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "threelink_agent/policy.hpp"
+#include "threelink_agent/training/homing.hpp"
 #include "threelink_sim/environment.hpp"
 
 namespace threelink_agent {
@@ -23,8 +24,11 @@ struct TrainConfig {
   std::uint32_t episodes = 0;    // N_E, in [1, 1e8]
   std::uint32_t evaluate_every;  // [updates] between deterministic evaluations, at least 1
 
-  // Links, drag ratio, dt, b, c and N_s.
+  // Links, drag ratio, dt, b, c and N_s. Its observation is what the critic is shown: "target" with
+  // homing, else "direction".
   threelink_sim::EnvironmentConfig environment;
+
+  std::optional<HomingConfig> homing;  // points to reach; without them there is only a direction
 
   // Widths of the tanh layers of actor and critic, 1 to 8 of them in [1, Mlp::kMaxWidth].
   std::vector<int> hidden;
@@ -63,6 +67,9 @@ struct TrainConfig {
   // Throws ConfigError that names key, value and bound.
   void validate() const;
 
+  threelink_sim::ObservationKind actor_observation() const {
+    return homing ? homing->observation : environment.observation;
+  }
   // Number of updates; the last one has fewer episodes if M does not divide N_E.
   std::uint32_t updates() const { return (episodes + update.episodes - 1) / update.episodes; }
 };

@@ -104,6 +104,7 @@ class Trainer {
                     UpdateStatistics& statistics);
   // Of the present policy, which becomes the best one if it is.
   Evaluation evaluate_present();
+  void keep_if_best(const Policy& present, double score);
 
   TrainConfig config_;
   std::unique_ptr<PpoUpdate> ppo_;
@@ -117,6 +118,10 @@ class Trainer {
 double objective(const Evaluation& evaluation, const threelink_sim::EnvironmentConfig& environment);
 // ... times the rate of success from the random ones, where a policy can be stuck.
 double score(const Evaluation& evaluation, const threelink_sim::EnvironmentConfig& environment);
+
+// With points to reach, it is instead times the captures a step, in that many episodes of N_s steps
+// with points only, by sampled actions. The configuration has homing.
+double capture_rate(const TrainConfig& config, const Policy& policy, int episodes);
 
 // The metadata of a policy of this training, its configuration included.
 PolicyMetadata policy_metadata(const TrainConfig& config);

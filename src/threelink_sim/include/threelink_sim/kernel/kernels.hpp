@@ -54,6 +54,8 @@ struct Kernels {
   void (*motion)(const MotionArgs&);
   // sine[i], cosine[i] of angle[i], i < n
   void (*sincos)(std::size_t n, const double* angle, double* sine, double* cosine);
+  // Of distances r [L] in (0, 30): weight[i] = tanh(r[i] / 0.1), log[i] = (ln r[i] + 4) / 2, i < n
+  void (*distance)(std::size_t n, const double* r, double* weight, double* log);
   // Philox4x32-10: four random words a counter of four words; see random.hpp for the layout.
   void (*philox)(std::size_t n, const std::uint32_t key[2], const std::uint32_t* counters,
                  std::uint32_t* words);

@@ -280,5 +280,24 @@ inline R log(R x) {
   return fma(k, all<R>(6.93147180369123816490e-01), f - (half_square - low));
 }
 
+// Exponential of a double lane, |x| < 700, within 1 ulp or so (fdlibm, e_exp.c): x = k ln 2 + r,
+// |r| <= ln 2 / 2, c = r - r^2 P(r^2), exp x = 2^k (1 + r + r c / (2 - c)).
+template <class R>
+inline R exp(R x) {
+  const R magic = all<R>(0x1.8p52);  // adding it rounds to the nearest integer
+  const R rounded = fma(x, all<R>(1.44269504088896338700e+00), magic);
+  const R k = rounded - magic;
+  R r = fma(k, all<R>(-6.93147180369123816490e-01), x);
+  r = fma(k, all<R>(-1.90821492927058770002e-10), r);
+  const R z = r * r;
+  R p = fma(z, all<R>(4.13813679705723846039e-08), all<R>(-1.65339022054652515390e-06));
+  p = fma(z, p, all<R>(6.61375632143793436117e-05));
+  p = fma(z, p, all<R>(-2.77777777770155933842e-03));
+  p = fma(z, p, all<R>(1.66666666666666019037e-01));
+  const R c = fma(-z, p, r);
+  const R mantissa = all<R>(1.0) + (r + r * c / (all<R>(2.0) - c));
+  return from_bits<R>(bits(mantissa) + ((bits(rounded) - bits(magic)) << 52));
+}
+
 }  // namespace THREELINK_ISA
 }  // namespace threelink_sim

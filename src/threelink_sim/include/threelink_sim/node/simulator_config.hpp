@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <string>
 
 #include "threelink_sim/environment.hpp"
 #include "threelink_sim/lockstep.hpp"
@@ -14,7 +13,6 @@ namespace threelink_sim {
 struct SimulatorConfig {
   EnvironmentConfig environment;
   Scales scales;
-  std::string observation;  // kind
   double realtime_factor;   // 0: as fast as possible
   double peer_timeout;      // [s] wall time
   double watchdog_periods;  // [action periods]

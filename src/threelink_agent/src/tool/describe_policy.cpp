@@ -1,0 +1,78 @@
+// rosrun threelink_agent describe_policy: what a policy file says of itself.
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "threelink_agent/policy.hpp"
+
+namespace {
+
+using namespace threelink_agent;
+
+constexpr int kMisuse = 2;
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+Fields fields_of(const Policy& policy) {
+  const PolicyMetadata& metadata = policy.metadata();
+  std::string layers = std::to_string(policy.observation_size());
+  for (const Linear& layer : policy.actor().layers())
+    layers += fmt::format(" {}", layer.bias.size());
+  std::string std;
+  for (float log_std : policy.log_std())
+    std += fmt::format("{}{:.4g}", std.empty() ? "" : " ", std::exp(log_std));
+  return {{"sha256", policy.sha256()},
+          {"observation", to_string(metadata.observation)},
+          {"sampled", metadata.sampled ? "true" : "false"},
+          {"std", std},
+          {"links", fmt::format("{}", metadata.links)},
+          {"dt", fmt::format("{}", metadata.dt)},
+          {"gamma", fmt::format("{}", metadata.gamma)},
+          {"symmetry", to_string(metadata.symmetry)},
+          {"layers", layers}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string path, field;
+  bool config = false;
+  CLI::App app(
+      "Checks a policy file and prints what it says of itself: hash of the numbers, observation,\n"
+      "whether its actions are to be sampled (else their mean is played) and with what standard\n"
+      "deviation [1/T0], the swimmer that it is for, widths of the network.\n");
+  app.add_option("file", path, "policy file (.safetensors)")->required();
+  auto* only = app.add_option("--field", field, "print only the value of this field");
+  app.add_flag("--config", config, "print the configuration with which it was trained")
+      ->excludes(only);
+  app.footer("Exit status: 0 it is a policy; 2 it is none, or wrong arguments.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kMisuse;
+  }
+  try {
+    const Policy policy = Policy::load(path);
+    if (config) {
+      fmt::print("{}", policy.metadata().config);
+      return 0;
+    }
+    bool found = false;
+    for (const auto& [name, value] : fields_of(policy)) {
+      if (field.empty()) fmt::print("{}: {}\n", name, value);
+      // Without an end of line: roslaunch takes every byte for the value of a parameter.
+      if (field == name) fmt::print("{}", value);
+      found = found || field.empty() || field == name;
+    }
+    if (found) return 0;
+    fmt::print(stderr, "describe_policy: --field {}: there is no such field\n", field);
+  } catch (const PolicyError& error) {
+    fmt::print(stderr, "describe_policy: {}\n", error.what());
+  }
+  return kMisuse;
+}
