@@ -133,7 +133,8 @@ void advantages(benchmark::State& state) {
   const Rollout r = played();
   const std::vector<float> values(201 * 40, 1);
   for (auto _ : state)
-    benchmark::DoNotOptimize(generalised_advantages(200, 40, r.rewards, values, {.995, .98, true}));
+    benchmark::DoNotOptimize(
+        generalised_advantages(200, 40, r.rewards, r.captured, values, {.995, .98, true}));
   state.SetItemsProcessed(state.iterations() * 8000);
 }
 

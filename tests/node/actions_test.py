@@ -73,7 +73,7 @@ class ActionsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.mkdtemp()
-        cls.process = launch("task.launch", task="direction", episodes=0, realtime_factor=0,
+        cls.process = launch("task.launch", task="direction", episodes=0, realtime_factor=0, sampled="false",
                              bag_dir=cls.folder)
         cls.client = actionlib.SimpleActionClient(NAMESPACE + "run_episode", RunEpisodeAction)
         # Its own time-out goes by /clock, which stands still.

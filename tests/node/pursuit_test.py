@@ -30,7 +30,7 @@ from waiting import wait
 
 LAUNCH = os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../scripts/launch.py")
 POLICY = os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
-                      "config/policies/vfs.safetensors")
+                      "config/policies/homing.safetensors")
 NAMESPACE = "/threelink/"
 LOOP = ("state", "target", "observation", "hinge_rates")
 
@@ -170,6 +170,10 @@ class EpisodesTest(unittest.TestCase):
             self.assertEqual(config["task"]["diffusivity"], 5e-5)
             self.assertEqual(config["simulator"]["dt"], 0.1)
             self.assertEqual(config["simulator"]["links"], 3)
+            # As the policy wants it.
+            self.assertEqual(config["simulator"]["observation"], "target")
+            self.assertEqual(config["agent"], {"sampled": True, "seed": self.SEED})
+            self.assertEqual({(m.kind, len(m.values)) for _, m in bag["observation"]}, {("target", 7)})
 
     def test_chunks_are_small(self):
         for row in self.rows:
@@ -189,7 +193,7 @@ class EpisodesTest(unittest.TestCase):
         program = roslib.packages.find_node("threelink_tests", "play_episode")[0]
         for number, bag in enumerate(self.bags, 1):
             lines = subprocess.run([program, POLICY, str(self.SEED), str(number), "pursuit",
-                                    "{v_ratio: 0}", "mean"], check=True, stdout=subprocess.PIPE, universal_newlines=True).stdout
+                                    "{v_ratio: 0}", "sampled"], check=True, stdout=subprocess.PIPE, universal_newlines=True).stdout
             played = [[float.fromhex(word) for word in line.split()] for line in lines.splitlines()]
             self.assertEqual(len(played), len(bag["state"]))
             for k, (_, state) in enumerate(bag["state"]):

@@ -259,7 +259,7 @@ class VerifyBagTest(unittest.TestCase):
 
     def test_the_shipped_policy_can_be_named(self):
         policy = os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
-                              "config/policies/vfs.safetensors")
+                              "config/policies/homing.safetensors")
         self.assertEqual(verify(self.bags[0], "--policy", policy)[0], 0)
 
 

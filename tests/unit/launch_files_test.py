@@ -3,6 +3,7 @@
 import os
 import unittest
 
+import roslaunch
 import roslaunch.arg_dump
 import roslaunch.config
 import roslib.packages
@@ -10,6 +11,7 @@ import rospkg
 import rosunit
 
 FOLDER = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "launch")
+VFS = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "config/policies/vfs.safetensors")
 FILES = sorted(os.path.join(FOLDER, name) for name in os.listdir(FOLDER))
 
 # What arguments without a default are given here.
@@ -64,7 +66,7 @@ class LaunchFilesTest(unittest.TestCase):
         path = os.path.join(FOLDER, "pursuit.launch")
         arguments = roslaunch.arg_dump.get_args([path])
         self.assertEqual(SHARED | {"v_ratio"}, set(arguments))
-        config = load(path, rviz="false", v_ratio="0.25", seed="7", episodes="3", policy="/p",
+        config = load(path, rviz="false", v_ratio="0.25", seed="7", episodes="3", policy=VFS,
                       realtime_factor="0", bag_dir="/b")
         value = {name: parameter.value for name, parameter in config.params.items()}
         self.assertEqual(value["/use_sim_time"], True)
@@ -74,14 +76,20 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual(value["/threelink/task/record"], True)
         self.assertEqual(value["/threelink/task/task"], "pursuit")
         self.assertEqual(value["/threelink/agent/seed"], 7)
-        self.assertEqual(value["/threelink/agent/sampled"], False)
-        self.assertEqual(value["/threelink/task/policy"], "/p")
-        self.assertEqual(value["/threelink/agent/policy"], "/p")
+        # These are what the policy says of itself.
+        self.assertIs(value["/threelink/agent/sampled"], False)
+        self.assertEqual(value["/threelink/simulator/observation"], "direction")
+        self.assertEqual(value["/threelink/task/policy"], VFS)
+        self.assertEqual(value["/threelink/agent/policy"], VFS)
         self.assertEqual(value["/threelink/simulator/realtime_factor"], 0)
         self.assertEqual(value["/threelink/recorder/bag_dir"], "/b")
         self.assertNotIn("rviz", {node.type for node in config.nodes})
         without = load(path, rviz="false", record="false")
         self.assertNotIn("recorder_node", {node.type for node in without.nodes})
+        self.assertIs(without.params["/threelink/agent/sampled"].value, True)
+        self.assertEqual(without.params["/threelink/simulator/observation"].value, "target")
+        with self.assertRaises(roslaunch.RLException):
+            load(path, rviz="false", policy="/no/policy")
 
     def test_every_task_has_the_same_arguments_and_its_own_parameters(self):
         for file, task, own in (("star", "waypoints", set()), ("waypoints", "waypoints", {"file"}),
@@ -180,11 +188,11 @@ class LaunchFilesTest(unittest.TestCase):
 
     def test_relative_paths_begin_where_roslaunch_was_called(self):
         path = os.path.join(FOLDER, "pursuit.launch")
-        os.environ["PWD"] = "/called/here"
-        config = load(path, rviz="false", policy="p.safetensors", bag_dir="bags")
-        self.assertEqual(config.params["/threelink/agent/policy"].value,
-                         "/called/here/p.safetensors")
-        self.assertEqual(config.params["/threelink/recorder/bag_dir"].value, "/called/here/bags")
+        folder, name = os.path.split(VFS)
+        os.environ["PWD"] = folder
+        config = load(path, rviz="false", policy=name, bag_dir="bags")
+        self.assertEqual(config.params["/threelink/agent/policy"].value, VFS)
+        self.assertEqual(config.params["/threelink/recorder/bag_dir"].value, folder + "/bags")
 
 
 if __name__ == "__main__":

@@ -55,9 +55,22 @@ TEST(ShippedPolicies, ObjectivesAreNearlyOptimal) {
   }
 }
 
+TEST(ShippedPolicies, HomingOnesCruiseAsFastAsTheyShould) {
+  using threelink_sim::ObservationKind;
+  for (const auto& [name, observation] :
+       {std::pair{"homing", ObservationKind::kTarget},
+        std::pair{"homing_direction", ObservationKind::kDirection}}) {
+    const Policy policy = Policy::load(kConfig + "/policies/" + name + ".safetensors");
+    EXPECT_EQ(policy.metadata().observation, observation);
+    EXPECT_TRUE(policy.metadata().sampled);
+    EXPECT_GT(evaluate(policy, 0, 0).speed, 0.996 * 0.0129154) << name;
+  }
+}
+
 TEST(ShippedPolicies, WereTrainedAsTheDocumentationSays) {
   const std::string learning = text_of(kConfig + "/../docs/learning.md");
-  for (const char* name : {"vfs", "eas_c1", "eas_c2", "eas", "eas_c4"}) {
+  for (const char* name :
+       {"vfs", "eas_c1", "eas_c2", "eas", "eas_c4", "homing", "homing_direction"}) {
     const Policy policy = Policy::load(kConfig + "/policies/" + name + ".safetensors");
     EXPECT_NE(learning.find(policy.sha256()), std::string::npos) << name;
   }
@@ -68,6 +81,10 @@ TEST(ShippedPolicies, WereTrainedAsTheDocumentationSays) {
   TrainConfig eas = load_train_config(kConfig + "/train_eas.yaml");
   eas.seed = 2;
   EXPECT_EQ(config_of("eas"), to_yaml(eas));
+  EXPECT_EQ(config_of("homing"), to_yaml(load_train_config(kConfig + "/train_homing.yaml")));
+  TrainConfig direction = load_train_config(kConfig + "/train_homing_direction.yaml");
+  direction.seed = 2;
+  EXPECT_EQ(config_of("homing_direction"), to_yaml(direction));
 }
 
 }  // namespace

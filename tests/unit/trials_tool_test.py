@@ -10,8 +10,8 @@ import roslib.packages
 import rospkg
 import rosunit
 
-POLICY = os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
-                      "config/policies/vfs.safetensors")
+POLICIES = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "config/policies")
+POLICY = os.path.join(POLICIES, "vfs.safetensors")
 PROGRAM = roslib.packages.find_node("threelink_tasks", "trials")[0]
 PLAY = roslib.packages.find_node("threelink_tests", "play_episode")[0]
 
@@ -21,8 +21,8 @@ def trials(*arguments):
                           stderr=subprocess.PIPE, universal_newlines=True, timeout=100)
 
 
-def results(task, *arguments):
-    done = trials("--task", task, "--policy", POLICY, "--json", *arguments)
+def results(task, *arguments, policy=POLICY):
+    done = trials("--task", task, "--policy", policy, "--json", *arguments)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
@@ -51,6 +51,20 @@ class TrialsToolTest(unittest.TestCase):
         self.assertEqual(one, results("star", "--trials", 40, "--parameters", "{threshold: 0.05}"))
         self.assertNotEqual(one, results("star", "--trials", 40, "--seed", 1, "--parameters",
                                          "{threshold: 0.05}"))
+
+    def test_the_homing_policies_trace_stars_and_reach_points(self):
+        for name, most in (("homing", 1.12), ("homing_direction", 1.19)):
+            with self.subTest(name):
+                policy = os.path.join(POLICIES, name + ".safetensors")
+                stars = results("star", "--trials", 40, "--seed", 9, policy=policy)
+                self.assertEqual(stars["completed"], 40)
+                self.assertLess(stars["median_ratio"], most)
+                self.assertLess(stars["final_distance_median"], 0.001)
+                # By itself it is played as the policy file says.
+                self.assertEqual(stars, results("star", "--trials", 40, "--seed", 9, "--sampled",
+                                                policy=policy))
+                points = results("point", "--trials", 200, "--seed", 9, policy=policy)
+                self.assertGreaterEqual(points["completed"], 197)
 
     def test_waypoints_of_a_file(self):
         with tempfile.NamedTemporaryFile("w", suffix=".csv") as file:

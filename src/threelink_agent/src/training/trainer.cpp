@@ -160,36 +160,20 @@ Policy Trainer::policy() const {
 
 Evaluation Trainer::evaluate_present() {
   const Policy present = policy();
-  const int starts = trials(double(state_.update) / config_.updates());
-  if (config_.homing) {
-    const Evaluation evaluation = evaluate(present, 0, config_.seed);
-    const double rate = capture_rate(config_, present, starts);
-    keep_if_best(present, rate * objective(evaluation, config_.environment));
+  Evaluation evaluation = evaluate(present, 0, config_.seed);
+  if (config_.homing) {  // see Trainer::best()
+    state_.best = BestPolicy{present, objective(evaluation, config_.environment)};
     return evaluation;
   }
   // A score is at most the objective if that is positive, and at most 0 if not: most policies need
   // no random starts to be seen not to be the best.
-  Evaluation evaluation = evaluate(present, 0, config_.seed);
   const double most = std::max(objective(evaluation, config_.environment), 0.0);
   if (!finished() && state_.best && !(most > state_.best->score)) return evaluation;
-  evaluation = evaluate(present, starts, config_.seed);
-  keep_if_best(present, score(evaluation, config_.environment));
+  evaluation = evaluate(present, trials(double(state_.update) / config_.updates()), config_.seed);
+  const double present_score = score(evaluation, config_.environment);
+  if (!state_.best || present_score > state_.best->score)
+    state_.best = BestPolicy{present, present_score};
   return evaluation;
-}
-
-void Trainer::keep_if_best(const Policy& present, double score) {
-  if (!state_.best || score > state_.best->score) state_.best = BestPolicy{present, score};
-}
-
-double capture_rate(const TrainConfig& config, const Policy& policy, int episodes) {
-  HomingConfig points_only = config.homing.value();
-  points_only.direction_share = 0;
-  Rollout rollout(config.environment, episodes);
-  collect({config.environment, points_only, config.symmetry.canonical, policy.actor(),
-           policy.log_std(), config.seed, 0},
-          0, episodes, rollout);
-  const auto captures = std::count(rollout.captured.begin(), rollout.captured.end(), 1);
-  return static_cast<double>(captures) / rollout.captured.size();
 }
 
 double objective(const Evaluation& evaluation,

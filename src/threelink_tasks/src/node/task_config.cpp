@@ -31,11 +31,11 @@ threelink_sim::SimulatorConfig read_simulator(Parameters& parameters, std::strin
 }
 
 // How the agent acts, if it is one of ours.
-void read_agent(Parameters& parameters, std::string& yaml) {
+void read_agent(Parameters& parameters, bool sampled, std::string& yaml) {
   const std::string resolved = ros::names::resolve(parameters.text("agent", "agent"));
   if (!ros::param::has(resolved)) return;
   Parameters of_agent{ros::NodeHandle(resolved)};
-  of_agent.flag("sampled", false);
+  of_agent.flag("sampled", sampled);
   of_agent.integer("seed", {0, kMaxInt}, 0);
   yaml += "agent:\n" + of_agent.effective(kIndent);
 }
@@ -44,7 +44,8 @@ void read_agent(Parameters& parameters, std::string& yaml) {
 
 PolicyInfo PolicyInfo::of(const std::string& file) {
   const auto policy = threelink_agent::Policy::load(file);
-  return {file, policy.sha256(), threelink_agent::evaluate(policy, 0, 0).speed};
+  return {file, policy.sha256(), threelink_agent::evaluate(policy, 0, 0).speed,
+          policy.metadata().sampled};
 }
 
 void assign_task(const std::string& name, ParameterMap& parameters, double dt,
@@ -62,7 +63,6 @@ TaskNodeConfig read_task_node_config(Parameters& parameters) {
   player.record = parameters.flag("record", true);
   player.start_timeout = parameters.real("start_timeout", {0.1, 1e5}, 30.0);
   player.simulator = read_simulator(parameters, player.surroundings);
-  read_agent(parameters, player.surroundings);
 
   config.assignment.seed = static_cast<std::uint64_t>(parameters.integer("seed", {0, kMaxInt}, 0));
   const std::string policy = parameters.text("policy");
@@ -71,6 +71,7 @@ TaskNodeConfig read_task_node_config(Parameters& parameters) {
   } catch (const threelink_agent::PolicyError& error) {
     parameters.refuse("policy", error.what());
   }
+  read_agent(parameters, config.assignment.policy.sampled, player.surroundings);
   const std::string task = parameters.choice("task", task_names());
   ParameterMap of_task = parameters.for_another_reader();
   assign_task(task, of_task, player.simulator.environment.dt, config.assignment);

@@ -15,7 +15,8 @@ namespace threelink_tasks {
 struct PolicyInfo {
   std::string file;
   std::string sha256;
-  double v_m;  // [L/T0] its speed
+  double v_m;    // [L/T0] its speed
+  bool sampled;  // how it is best played: with sampled actions, else with their mean
 
   // Throws threelink_agent::PolicyError.
   static PolicyInfo of(const std::string& file);

@@ -29,7 +29,7 @@ struct Options {
   double v_ratio = 0.5;
   int max_steps = 0;
   TrialsConfig trials;
-  bool mean = false;
+  bool mean = false, sampled = false;  // neither: as the policy says
   bool json = false;
 };
 
@@ -107,7 +107,9 @@ int run(const Options& options) {
     map.finish();
     return task;
   };
-  print(options, summarise(run_trials(make, policy, options.trials), dt));
+  TrialsConfig config = options.trials;
+  config.sampled = !options.mean && (options.sampled || policy.metadata().sampled);
+  print(options, summarise(run_trials(make, policy, config), dt));
   return std::fflush(stdout) == 0 ? kSuccess : kFailure;
 }
 
@@ -133,8 +135,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.0, 100.0));
   app.add_option("--max-steps", options.max_steps, "time-out (default: that of the task)")
       ->check(CLI::Range(1, std::numeric_limits<int>::max()));
-  auto* mean = app.add_flag("--mean", options.mean, "play the mean action (default)");
-  app.add_flag("--sampled", options.trials.sampled, "draw actions from the policy's distribution")
+  auto* mean = app.add_flag("--mean", options.mean,
+                            "play the mean action (without this and the next: as the policy says)");
+  app.add_flag("--sampled", options.sampled, "draw actions from the policy's distribution")
       ->excludes(mean);
   app.add_option("--waypoints", options.waypoints, "star: these points (CSV or YAML) instead");
   app.add_option("--parameters", options.parameters,

@@ -90,7 +90,9 @@ class Trainer {
 
   // The present policy.
   Policy policy() const;
-  // The one that evaluated best so far; null before the first evaluation.
+  // The one that evaluated best so far; null before the first evaluation. With points to reach it
+  // is the last one that was evaluated: what an evaluation of bearable length tells of the way to
+  // points is mostly chance, and towards the end the learning rates fall to nothing.
   const Policy* best() const { return state_.best ? &state_.best->policy : nullptr; }
 
   const TrainerState& state() const { return state_; }
@@ -104,7 +106,6 @@ class Trainer {
                     UpdateStatistics& statistics);
   // Of the present policy, which becomes the best one if it is.
   Evaluation evaluate_present();
-  void keep_if_best(const Policy& present, double score);
 
   TrainConfig config_;
   std::unique_ptr<PpoUpdate> ppo_;
@@ -118,10 +119,6 @@ class Trainer {
 double objective(const Evaluation& evaluation, const threelink_sim::EnvironmentConfig& environment);
 // ... times the rate of success from the random ones, where a policy can be stuck.
 double score(const Evaluation& evaluation, const threelink_sim::EnvironmentConfig& environment);
-
-// With points to reach, it is instead times the captures a step, in that many episodes of N_s steps
-// with points only, by sampled actions. The configuration has homing.
-double capture_rate(const TrainConfig& config, const Policy& policy, int episodes);
 
 // The metadata of a policy of this training, its configuration included.
 PolicyMetadata policy_metadata(const TrainConfig& config);
