@@ -50,7 +50,9 @@ def main():
             time.sleep(options.warm_up)
             heard.leases = 0
             first = len(run.rows())
-            begin, used = time.monotonic(), cpu(learner.process.pid)
+            pids = {"learner": learner.process.pid, "master": run.master.process.pid}
+            used = {name: -cpu(pid) for name, pid in pids.items()}
+            begin = time.monotonic()
             memory = []
             while time.monotonic() < begin + options.seconds and learner.running():
                 memory.append(resident(learner.process.pid))
@@ -58,7 +60,7 @@ def main():
             seconds = time.monotonic() - begin
             if not learner.running():
                 raise SystemExit(learner.text())
-            used = cpu(learner.process.pid) - used
+            used = {name: (cpu(pid) + used[name]) / seconds for name, pid in pids.items()}
             updates = len(run.rows()) - first
             leases, lost, workers = heard.leases, heard.lost, heard.workers
     tenth = max(1, len(memory) // 10)
@@ -66,7 +68,7 @@ def main():
           [["leases/s", "%.0f" % (leases / seconds)],
            ["updates/s", "%.2f" % (updates / seconds)],
            ["episodes/s", "%.0f" % (updates * options.episodes / seconds)],
-           ["learner's CPU", "%.2f of a core" % (used / seconds)],
+           ["learner, ROS master", "%(learner).2f, %(master).2f of a core" % used],
            ["workers at the end", workers],
            ["leases lost", lost],
            ["memory, by tenths of the time, at most", " ".join(

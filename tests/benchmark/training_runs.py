@@ -2,6 +2,7 @@
 import csv
 import hashlib
 import os
+import signal
 import socket
 import statistics
 import subprocess
@@ -10,6 +11,9 @@ import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "node"))
 from training_processes import Process, program  # noqa: E402
+
+
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that all is cleaned up
 
 
 class Here:
@@ -38,7 +42,7 @@ class Run:
 
     def __enter__(self):
         port = getattr(self.hosts, "uri", ":11311").rpartition(":")[2]
-        self.start(0, ["rosmaster", "--core", "-p", port])
+        self.master = self.start(0, ["rosmaster", "--core", "-p", port])
         return self
 
     def __exit__(self, *_):

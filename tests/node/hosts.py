@@ -1,5 +1,6 @@
 """Two hosts on one machine: network namespaces, joined by a cable. Needs root and iproute2."""
 import os
+import signal
 import subprocess
 
 ADDRESSES = ("10.77.0.1", "10.77.0.2")
@@ -41,7 +42,14 @@ class Hosts:
         return self
 
     def __exit__(self, *_):
+        """With everything that runs on them."""
         for name in self.names:
+            found = subprocess.run(["ip", "netns", "pids", name], stdout=subprocess.PIPE)
+            for pid in found.stdout.split():
+                try:
+                    os.kill(int(pid), signal.SIGKILL)
+                except ProcessLookupError:
+                    pass
             subprocess.run(["ip", "netns", "del", name])
 
     def lay_cable(self):
