@@ -42,7 +42,8 @@ def element(tag, content, **attributes):
 def introduction(results, table):
     verdicts = [entry["verdict"] for group in table["groups"] for entry in group["rows"]]
     met, missed = verdicts.count(numbers.MET), verdicts.count(numbers.MISSED)
-    made = ("Everything here was trained from nothing, five seeds of each strategy."
+    seeds = len(results.seeds("data/evaluate", "vfs", "json"))
+    made = (f"Everything here was trained from nothing, {seeds} seeds of each strategy."
             if results.is_full else
             "A quick run: it measures the shipped policies, one of each strategy, so that there are "
             "no intervals over seeds; only the learning curves and the sweep of N_s were trained, "

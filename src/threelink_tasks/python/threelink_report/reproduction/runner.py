@@ -1,6 +1,7 @@
 """Runs stages: in the order of their inputs, some at a time, each one only if it is not done."""
 import contextlib
 import fcntl
+import itertools
 import os
 import signal
 import socket
@@ -33,10 +34,16 @@ def sole_user(folder):
         yield
 
 
+# For ROS masters; below the ports that the kernel gives to outgoing connections. Each process begins
+# elsewhere, so that two reproductions do not want the same one.
+PORTS = itertools.cycle(range(12000 + os.getpid() % 4000, 16000 + os.getpid() % 4000))
+
+
 def free_port():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return probe.getsockname()[1]
+    for port in PORTS:
+        with socket.socket() as probe, contextlib.suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 class Progress:
