@@ -92,6 +92,10 @@ int run() {
   AgentConfig config;
   config.follow = parameters.flag("follow", false);
   std::string source = config.follow ? "" : parameters.text("policy");
+  std::optional<bool> given;
+  if (parameters.has("sampled")) given = parameters.flag("sampled", false);
+  const int seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
+  parameters.finish();
   std::optional<Policy> policy;
   try {
     policy = config.follow ? first_policy(source) : Policy::load(source);
@@ -99,10 +103,7 @@ int run() {
     parameters.refuse("policy", error.what());
   }
   if (!policy) return threelink_sim::kSuccess;
-  const bool sampled = parameters.flag("sampled", policy->metadata().sampled);
-  const int seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
-  parameters.finish();
-  if (sampled) config.seed = seed;
+  if (given.value_or(policy->metadata().sampled)) config.seed = seed;
   Agent agent(std::move(*policy), source, config);
   return threelink_sim::spin();
 }
