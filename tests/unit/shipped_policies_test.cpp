@@ -1,5 +1,6 @@
 // The policies in config/policies are what docs/learning.md says of them.
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 
@@ -78,9 +79,18 @@ TEST(ShippedPolicies, WereTrainedAsTheDocumentationSays) {
     return Policy::load(kConfig + "/policies/" + name + ".safetensors").metadata().config;
   };
   EXPECT_EQ(config_of("vfs"), to_yaml(load_train_config(kConfig + "/train_vfs.yaml")));
-  TrainConfig eas = load_train_config(kConfig + "/train_eas.yaml");
-  eas.seed = 2;
-  EXPECT_EQ(config_of("eas"), to_yaml(eas));
+  struct Eas {
+    std::string name;
+    double c;
+    std::uint64_t seed;
+  };
+  for (const Eas& expected :
+       {Eas{"eas_c1", 1, 1}, Eas{"eas_c2", 2, 0}, Eas{"eas", 3, 2}, Eas{"eas_c4", 4, 1}}) {
+    TrainConfig eas = load_train_config(kConfig + "/train_eas.yaml");
+    eas.environment.c = expected.c;
+    eas.seed = expected.seed;
+    EXPECT_EQ(config_of(expected.name), to_yaml(eas)) << expected.name;
+  }
   EXPECT_EQ(config_of("homing"), to_yaml(load_train_config(kConfig + "/train_homing.yaml")));
   TrainConfig direction = load_train_config(kConfig + "/train_homing_direction.yaml");
   direction.seed = 2;
