@@ -20,19 +20,19 @@ PROGRAM = roslib.packages.find_node("threelink_sim", "stroke_node")[0]
 STROKE = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "config/strokes/speed.json")
 
 
-def start(*parameters):
-    if rospy.has_param("/threelink/stroke"):
-        rospy.delete_param("/threelink/stroke")
-    return subprocess.Popen([PROGRAM, "__name:=stroke", "__ns:=threelink", *parameters],
+def start(*parameters, space="threelink"):
+    if rospy.has_param("/%s/stroke" % space):
+        rospy.delete_param("/%s/stroke" % space)
+    return subprocess.Popen([PROGRAM, "__name:=stroke", "__ns:=" + space, *parameters],
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                             universal_newlines=True)
 
 
 class StrokeTest(unittest.TestCase):
-    def played(self, steps, *parameters):
+    def played(self, steps, *parameters, space="threelink"):
         """The states of the episode that the node starts, up to this step."""
         received = []
-        topic = rospy.Subscriber("/threelink/state", SwimmerState, received.append,
+        topic = rospy.Subscriber("/%s/state" % space, SwimmerState, received.append,
                                  tcp_nodelay=True)
 
         def latest_episode():  # an earlier one's last state is latched
@@ -40,7 +40,7 @@ class StrokeTest(unittest.TestCase):
             episode = max((state.episode for state in states), default=0)
             return {state.step: state for state in states if state.episode == episode}
 
-        node = start(*parameters)
+        node = start(*parameters, space=space)
         try:
             self.assertTrue(wait(lambda: len(latest_episode()) > steps), node.poll())
             states = latest_episode()
@@ -60,13 +60,16 @@ class StrokeTest(unittest.TestCase):
         with open(STROKE) as file:
             stroke = json.load(file)
         self.assertEqual(stroke["dt"], 0.1)
-        states = self.played(stroke["pieces"], "_file:=" + STROKE)
-        for state, rates in zip(states[1:], stroke["rates"]):
-            for found, wanted in zip(state.hinge_rates, rates):
-                self.assertAlmostEqual(found, wanted, delta=1e-12)
-        self.assertAlmostEqual(states[-1].centroid[0], stroke["displacement"], delta=1e-11)
-        self.assertAlmostEqual(states[-1].centroid[1], 0, delta=1e-11)
-        self.assertAlmostEqual(sum(state.work for state in states), stroke["work"], delta=1e-11)
+        for space in ("threelink", "near"):  # whatever the observation shows of the target
+            with self.subTest(space):
+                states = self.played(stroke["pieces"], "_file:=" + STROKE, space=space)
+                for state, rates in zip(states[1:], stroke["rates"]):
+                    for found, wanted in zip(state.hinge_rates, rates):
+                        self.assertAlmostEqual(found, wanted, delta=1e-12)
+                self.assertAlmostEqual(states[-1].centroid[0], stroke["displacement"], delta=1e-11)
+                self.assertAlmostEqual(states[-1].centroid[1], 0, delta=1e-11)
+                self.assertAlmostEqual(sum(state.work for state in states), stroke["work"],
+                                       delta=1e-11)
 
     def test_purcells_stroke_keeps_its_angles_at_any_step(self):
         # A side takes 2 pi/3 / 0.1 = 20.9 steps: the corners are cut, and do not drift.
@@ -85,11 +88,14 @@ class StrokeTest(unittest.TestCase):
         self.refused("amplitude = 3", "_amplitude:=3.0")
         with open(STROKE) as file:
             stroke = json.load(file)
-        stroke["gamma"] = 0.75
-        with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
-            json.dump(stroke, file)
-            file.flush()
-            self.refused("gamma = 0.75; the simulator has 3, 0.5", "_file:=" + file.name)
+        too_far = {"joint_limit": 3.0, "dt": 1.0, "start": {"alpha": [1.5, 0.0]},
+                   "rates": [[1.0, 0.0], [-1.0, 0.0]]}
+        for change, said in (({"gamma": 0.75}, "gamma = 0.75; the simulator has 3, 0.5"),
+                             (too_far, "rates, row 1: a hinge would pass the joint limit")):
+            with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+                json.dump({**stroke, **change}, file)
+                file.flush()
+                self.refused(said, "_file:=" + file.name)
 
 
 if __name__ == "__main__":

@@ -66,6 +66,12 @@ Config read_config(Parameters& parameters) {
       throw UsageError(fmt::format("{}: is for links = {}, gamma = {}; the simulator has {}, {}",
                                    file, config.stroke.model.links, config.stroke.model.gamma,
                                    model.links, model.gamma));
+    config.stroke.model = model;  // its joint limit is the one that counts
+    try {
+      config.stroke.validate();
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(fmt::format("{}: {}", file, error.what()));
+    }
   }
   return config;
 }
@@ -108,14 +114,19 @@ class StrokePlayer {
   }
 
   void on_observation(const threelink_msgs::Observation& observation) {
-    const double* alpha =
-        observation.values.data() + observation.values.size() - stroke_.model.hinges();
+    const std::size_t hinges = stroke_.model.hinges();
+    if (observation.values.size() < 2 + hinges) {
+      ROS_ERROR_THROTTLE(1, "refused an observation of %zu values: %d links have %zu at least",
+                         observation.values.size(), stroke_.model.links, 2 + hinges);
+      return;
+    }
+    const double* alpha = observation.values.data() + 2;  // of either kind (observation.hpp)
     const HingeVector next = angles_at((observation.step + 1) * dt_);
     rates_.header.stamp = observation.header.stamp;
     rates_.episode = observation.episode;
     rates_.step = observation.step;
-    rates_.rates.resize(stroke_.model.hinges());
-    for (int j = 0; j < stroke_.model.hinges(); ++j)
+    rates_.rates.resize(hinges);
+    for (std::size_t j = 0; j < hinges; ++j)
       rates_.rates[j] = std::clamp((next[j] - alpha[j]) / dt_, -1.0, 1.0);
     rates_publisher_.publish(rates_);
   }
