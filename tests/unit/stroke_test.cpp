@@ -182,7 +182,18 @@ TEST_F(StrokeFile, Refusals) {
   refused(bad.dump(), "dt");
   bad = good;
   bad["gamma"] = "half";
-  refused(bad.dump(), "number");
+  refused(bad.dump(), "gamma = \"half\": must be a number");
+  bad = good;
+  bad["links"] = 3.5;
+  refused(bad.dump(), "links = 3.5: must be a whole number");
+  bad["links"] = 4294967299;  // 3 and 2^32
+  refused(bad.dump(), "links = 4294967299: must be a whole number");
+  bad = good;
+  bad["start"]["alpha"] = 1;
+  refused(bad.dump(), "start.alpha: 1: must be a list of numbers");
+  bad = good;
+  bad["rates"][1][1] = nullptr;
+  refused(bad.dump(), "rates, row 2: [");
   bad = good;
   bad["rates"][3][0] = 2;
   refused(bad.dump(), "rates, row 4");

@@ -1,5 +1,7 @@
 #include "threelink_sim/stroke_file.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -15,11 +17,28 @@ constexpr char kFormat[] = "threelink-stroke-1";
 
 std::vector<double> values(const HingeVector& v) { return {v.data(), v.data() + v.size()}; }
 
-HingeVector hinges(const json& list) {
-  const auto v = list.get<std::vector<double>>();
-  if (v.size() > kMaxHinges)
+double number(const json& object, const char* key) {
+  const json& value = object.at(key);
+  if (!value.is_number())
+    throw std::invalid_argument(fmt::format("{} = {}: must be a number", key, value.dump()));
+  return value;
+}
+
+int links_of(const json& object) {
+  constexpr int kMost = kMaxHinges + 1;
+  const double value = number(object, "links");
+  if (!(value >= 2 && value <= kMost && value == std::floor(value)))
     throw std::invalid_argument(
-        fmt::format("{} values for hinges, {} at most", v.size(), kMaxHinges));
+        fmt::format("links = {}: must be a whole number in [2, {}]", value, kMost));
+  return static_cast<int>(value);
+}
+
+HingeVector hinges(const json& list, const std::string& name) {
+  if (!list.is_array() || list.size() > kMaxHinges ||
+      !std::all_of(list.begin(), list.end(), [](const json& value) { return value.is_number(); }))
+    throw std::invalid_argument(fmt::format("{}: {}: must be a list of numbers, {} at most", name,
+                                            list.dump(), kMaxHinges));
+  const auto v = list.get<std::vector<double>>();
   return HingeVector::Map(v.data(), v.size());
 }
 
@@ -59,12 +78,13 @@ Stroke load_stroke(const std::string& path) {
       throw std::invalid_argument(
           fmt::format("format {}: must be \"{}\"", all["format"].dump(), kFormat));
     Stroke stroke;
-    stroke.model.links = all.at("links");
-    stroke.model.gamma = all.at("gamma");
-    stroke.model.joint_limit = all.at("joint_limit");
-    stroke.dt = all.at("dt");
-    stroke.start = hinges(all.at("start").at("alpha"));
-    for (const json& row : all.at("rates")) stroke.rates.push_back(hinges(row));
+    stroke.model.links = links_of(all);
+    stroke.model.gamma = number(all, "gamma");
+    stroke.model.joint_limit = number(all, "joint_limit");
+    stroke.dt = number(all, "dt");
+    stroke.start = hinges(all.at("start").at("alpha"), "start.alpha");
+    for (const json& row : all.at("rates"))
+      stroke.rates.push_back(hinges(row, fmt::format("rates, row {}", stroke.pieces() + 1)));
     stroke.validate();
     return stroke;
   } catch (const json::exception& error) {
