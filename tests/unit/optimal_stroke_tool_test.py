@@ -114,6 +114,14 @@ class OptimalStrokeToolTest(unittest.TestCase):
         self.assertTrue(lines[0].startswith("start 1"))
         self.assertTrue(lines[1].startswith("refinement"))
 
+    def test_a_refusal_leaves_what_was_there(self):
+        self.stroke("--square=-1,1", "--pieces", "8")
+        with open(self.out + ".csv") as file:
+            before = file.read()
+        self.assertEqual(self.tool("--objective", "speed", "--pieces", "2").returncode, 2)
+        with open(self.out + ".csv") as file:
+            self.assertEqual(file.read(), before)
+
     def test_refusals(self):
         for text, arguments in (
                 ("--objective or --square is required", []),

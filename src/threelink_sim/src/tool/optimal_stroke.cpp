@@ -133,9 +133,14 @@ json square(const Options& options) {
   return all;
 }
 
+// Leaves a file that is there as it is: the search may fail.
+void require_writable(const std::string& path) {
+  if (!std::ofstream(path, std::ios::app))
+    throw std::invalid_argument(fmt::format("{}: cannot be written", path));
+}
+
 void write(const std::string& path, const std::string& text) {
   std::ofstream file(path);
-  if (!file) throw std::invalid_argument(fmt::format("{}: cannot be written", path));
   file << text;
   file.close();
   if (!file) throw std::runtime_error(fmt::format("{}: writing failed", path));
@@ -143,7 +148,7 @@ void write(const std::string& path, const std::string& text) {
 
 void run(const Options& options) {
   const std::string csv = options.out + ".csv", json_file = options.out + ".json";
-  write(csv, "");  // a folder that is not there is better known before the search
+  require_writable(csv);  // a folder that is not there is better known before the search
   json all = options.square.empty() ? found_stroke(options) : square(options);
   all["swim"] = swim_command(all, csv);
   write(csv, rates_as_csv(all["rates"]));
