@@ -372,6 +372,8 @@ TEST_F(DispatcherTest, PoisonIsRefusedCountedAndGivenAgain) {
       {Verdict::kMalformed, [](EpisodeBatch& b) { b.actions.push_back(0); }},
       {Verdict::kMalformed, [](EpisodeBatch& b) { b.log_probs.clear(); }},
       {Verdict::kMalformed, [](EpisodeBatch& b) { b.rewards.resize(1); }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.captured.pop_back(); }},
+      {Verdict::kMalformed, [](EpisodeBatch& b) { b.captured.front() = 2; }},
       {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.observations.back() = nan; }},
       {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.actions[3] = infinity; }},
       {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.log_probs[0] = -infinity; }},

@@ -51,7 +51,9 @@ bool well_formed(const EpisodeBatch& batch, const Rollout& whole, int episodes) 
          batch.hinges == static_cast<std::uint32_t>(whole.hinges) &&
          batch.observations.size() == whole.observation_size * (samples + n) &&
          batch.actions.size() == whole.hinges * samples && batch.log_probs.size() == samples &&
-         batch.rewards.size() == samples && batch.captured.size() == samples;
+         batch.rewards.size() == samples && batch.captured.size() == samples &&
+         std::all_of(batch.captured.begin(), batch.captured.end(),
+                     [](std::uint8_t captured) { return captured <= 1; });
 }
 
 bool all_finite(const EpisodeBatch& batch) {
