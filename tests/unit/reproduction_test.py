@@ -179,6 +179,10 @@ class ReproductionTest(unittest.TestCase):
             self.assertEqual((way["theta_2"][0], way["xc"][0]), (start["theta2"], 0))
             speed = (way["xc"][-1] - way["xc"][-1 - 720]) / 72  # ten strokes
             self.assertAlmostEqual(speed, start["speed"], delta=1e-5)
+        refused = subprocess.run(done.args[:-1] + ["/no/such/folder/way.csv"],
+                                 stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual(refused.returncode, 2)
+        self.assertIn("--trajectory /no/such/folder/way.csv: cannot be written", refused.stderr)
 
     def test_command(self):
         shown = subprocess.run(COMMAND + ["--help"], stdout=subprocess.PIPE, universal_newlines=True)

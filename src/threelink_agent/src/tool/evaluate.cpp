@@ -61,6 +61,7 @@ void print_table(const Policy& policy, const Evaluation& evaluation) {
 
 void write_tracks(const Policy& policy, const std::string& path) {
   std::ofstream out(path);
+  if (!out) throw std::invalid_argument(fmt::format("--trajectory {}: cannot be written", path));
   out << "start,t,xc,yc,theta_2,alpha_1,alpha_2,work\n";
   const std::vector<Track> tracks = straight_tracks(policy);
   for (std::size_t start = 0; start < tracks.size(); ++start) {
@@ -71,7 +72,7 @@ void write_tracks(const Policy& policy, const std::string& path) {
                          track.alpha_1[k], track.alpha_2[k], track.work[k]);
   }
   out.close();
-  if (!out) throw std::runtime_error(fmt::format("--trajectory {}: cannot be written", path));
+  if (!out) throw std::runtime_error(fmt::format("--trajectory {}: writing failed", path));
 }
 
 }  // namespace
@@ -113,6 +114,9 @@ int main(int argc, char** argv) {
     return std::fflush(stdout) == 0 ? 0 : kFailure;
   } catch (const PolicyError& error) {
     fmt::print(stderr, "evaluate: --policy {}\n", error.what());
+    return kMisuse;
+  } catch (const std::invalid_argument& error) {
+    fmt::print(stderr, "evaluate: {}\n", error.what());
     return kMisuse;
   } catch (const std::exception& error) {
     fmt::print(stderr, "evaluate: {}\n", error.what());
