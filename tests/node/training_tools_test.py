@@ -92,14 +92,17 @@ class TrainActionTest(TrainingTestCase):
     def test_a_goal_gives_the_policy_of_train(self):
         self.send()
         result = self.result(GoalStatus.SUCCEEDED)
+        feedback = self.feedback
+        self.send(resume=True)  # at once: who has the result may go on
+        self.assertEqual(self.result(GoalStatus.SUCCEEDED).sha256, result.sha256)
         self.assertEqual((result.outcome, result.reason), (TrainResult.FINISHED, ""))
         self.assertEqual(result.policy, os.path.join(self.folder, "run", "policy.safetensors"))
         self.assertEqual(result.sha256, sha256_of(result.policy))
         self.assertEqual(self.policy_of(), self.in_process())
-        updates = [feedback.status.update for feedback in self.feedback]  # some may be dropped
+        updates = [one.status.update for one in feedback]  # some may be dropped
         self.assertEqual(updates, sorted(set(updates)))
         self.assertGreater(len(updates), 5)
-        self.assertEqual(self.feedback[-1].status.episodes, 10 * updates[-1])
+        self.assertEqual(feedback[-1].status.episodes, 10 * updates[-1])
 
     def test_a_cancelled_goal_can_be_resumed_with_other_hands(self):
         self.worker("worker_1", step_cost=150)  # 4 s

@@ -78,9 +78,12 @@ std::optional<TrainingServer::Goal> TrainingServer::next() {
 int TrainingServer::run() {
   while (threelink_sim::running()) {
     if (const auto goal = next()) {
-      train(*goal);
-      const std::lock_guard<std::mutex> lock(mutex_);
-      goal_.reset();
+      const std::function<void()> tell = train(*goal);
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        goal_.reset();
+      }
+      tell();  // the client may answer with the next goal
     }
   }
   return threelink_sim::kSuccess;
@@ -100,15 +103,17 @@ RunSettings TrainingServer::settings_of(const TrainGoal& goal) const {
   return settings;
 }
 
-void TrainingServer::train(Goal goal) {
+std::function<void()> TrainingServer::train(Goal goal) {
   bool accepted = false;
   const auto fail = [&](const std::string& reason) {
     ROS_ERROR("%s", reason.c_str());
-    if (accepted) {
-      goal.setAborted(result(Result::FAILED, reason), reason);
-    } else {
-      goal.setRejected(result(Result::REJECTED, reason), reason);
-    }
+    return [goal, accepted, reason]() mutable {
+      if (accepted) {
+        goal.setAborted(result(Result::FAILED, reason), reason);
+      } else {
+        goal.setRejected(result(Result::REJECTED, reason), reason);
+      }
+    };
   };
 
   StatusPublisher* status = nullptr;  // of the source, or of this training
@@ -139,24 +144,23 @@ void TrainingServer::train(Goal goal) {
     Result ended = result(Result::FINISHED, "");
     ended.policy = outcome.policy;
     ended.sha256 = outcome.sha256;
-    if (outcome.finished) {
-      goal.setSucceeded(ended);
-      return;
-    }
+    if (outcome.finished) return [goal, ended]() mutable { goal.setSucceeded(ended); };
     const bool by_client = threelink_sim::running();
     ended.outcome = by_client ? Result::CANCELLED : Result::FAILED;
     ended.reason =
         fmt::format("{}; a checkpoint is in {}, and resume goes on from it",
                     by_client ? "cancelled" : "the server was ended", goal.getGoal()->out);
-    if (by_client) {
-      goal.setCanceled(ended, ended.reason);
-    } else {
-      goal.setAborted(ended, ended.reason);
-    }
+    return [goal, ended, by_client]() mutable {
+      if (by_client) {
+        goal.setCanceled(ended, ended.reason);
+      } else {
+        goal.setAborted(ended, ended.reason);
+      }
+    };
   } catch (const RunFolderError& error) {
-    fail(std::string("out ") + error.what());
+    return fail(std::string("out ") + error.what());
   } catch (const std::exception& error) {
-    fail(error.what());
+    return fail(error.what());
   }
 }
 

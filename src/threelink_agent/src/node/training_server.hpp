@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -38,7 +39,8 @@ class TrainingServer {
   void report(Diagnostics::Status& status);
 
   std::optional<Goal> next();  // waits a while for it
-  void train(Goal goal);
+  // Returns what tells the client how it ended.
+  std::function<void()> train(Goal goal);
   bool keep_going();
 
   RunSettings settings_of(const threelink_msgs::TrainGoal& goal) const;
@@ -48,7 +50,7 @@ class TrainingServer {
   RemoteRollouts::Settings remote_;
   std::mutex mutex_;  // of goal_ and cancelled_
   std::condition_variable changed_;
-  std::optional<Goal> goal_;  // until its training has ended
+  std::optional<Goal> goal_;  // until its training has ended, and before its client knows
   bool cancelled_ = false;
   Diagnostics diagnostics_;
   ros::CallbackQueue queue_;
