@@ -159,6 +159,9 @@ class TrainActionTest(TrainingTestCase):
         example = roslib.packages.find_node("threelink_agent", "train_client.py")[0]
         run = os.path.join(self.folder, "run")
         call = [example, "--config", self.config, "--out", run]
+        client = self.start(call + ["--seed=-1"])
+        self.finish(client, status=2)
+        self.assertIn("--seed: -1: must not be negative", client.text())
         self.worker("worker_1", step_cost=150)
         client = self.start(call + ["--workers"])
         self.assertTrue(wait(lambda: "update 3/60" in client.text()), self.output())
