@@ -134,7 +134,12 @@ class AgentTest : public testing::Test {
     EXPECT_EQ(answer.header.stamp, observation.header.stamp);
     EXPECT_EQ(answer.policy, policy.id());
     std::vector<double> rates(policy.hinges());
-    policy.act(observation.values.data(), rates.data());
+    if (policy.metadata().sampled) {
+      const auto step = static_cast<std::uint32_t>(observation.step);
+      policy.sample(observation.values.data(), {0, observation.episode, step}, rates.data());
+    } else {
+      policy.act(observation.values.data(), rates.data());
+    }
     ASSERT_EQ(answer.rates.size(), rates.size());
     EXPECT_EQ(std::memcmp(answer.rates.data(), rates.data(), rates.size() * sizeof(double)), 0);
   }
@@ -301,6 +306,19 @@ TEST_F(AgentTest, FollowsATrainingFromEpisodeToEpisode) {
   observe(episode + 1, third);
   agent_->end(SIGTERM);
   node_.deleteParam("agent");
+}
+
+TEST_F(AgentTest, PlaysEachPolicyAsItSays) {
+  start(random_policy(6));
+  const Policy mean = random_policy(7);
+  threelink_agent::PolicyMetadata metadata = mean.metadata();
+  metadata.sampled = true;
+  const Policy sampled(metadata, mean.actor(), mean.log_std());
+  for (const Policy& policy : {sampled, mean}) {
+    policy.save(file("next.safetensors"));
+    load(file("next.safetensors"), true, policy);
+    expect_answer(policy, observation({0.6, 0.8, 0.3, -0.2}));
+  }
 }
 
 TEST_F(AgentTest, LoadsFilesAndKeepsTheOldPolicyIfTheyAreUnsound) {

@@ -74,8 +74,8 @@ void Agent::on_observation(const threelink_msgs::Observation& observation) {
   rates_.header.frame_id = observation.header.frame_id;
   rates_.episode = observation.episode;
   rates_.step = observation.step;
-  if (config_.seed) {
-    const ActionKey key{*config_.seed, observation.episode,
+  if (config_.sampled.value_or(policy_.metadata().sampled)) {
+    const ActionKey key{config_.seed, observation.episode,
                         static_cast<std::uint32_t>(observation.step)};
     policy_.sample(observation.values.data(), key, rates_.rates.data());
   } else {

@@ -22,8 +22,9 @@
 namespace threelink_agent {
 
 struct AgentConfig {
-  std::optional<std::uint64_t> seed;  // with one actions are sampled, else the mean is taken
-  bool follow = false;                // new policies play from the next episode on, not at once
+  std::optional<bool> sampled;  // draw actions, or take their mean; else as each policy says
+  std::uint64_t seed = 0;       // keys what is drawn
+  bool follow = false;          // new policies play from the next episode on, not at once
 };
 
 class Agent {

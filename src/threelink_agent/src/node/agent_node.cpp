@@ -92,9 +92,8 @@ int run() {
   AgentConfig config;
   config.follow = parameters.flag("follow", false);
   std::string source = config.follow ? "" : parameters.text("policy");
-  std::optional<bool> given;
-  if (parameters.has("sampled")) given = parameters.flag("sampled", false);
-  const int seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
+  if (parameters.has("sampled")) config.sampled = parameters.flag("sampled", false);
+  config.seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
   parameters.finish();
   std::optional<Policy> policy;
   try {
@@ -103,7 +102,6 @@ int run() {
     parameters.refuse("policy", error.what());
   }
   if (!policy) return threelink_sim::kSuccess;
-  if (given.value_or(policy->metadata().sampled)) config.seed = seed;
   Agent agent(std::move(*policy), source, config);
   return threelink_sim::spin();
 }
