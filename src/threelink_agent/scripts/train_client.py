@@ -4,7 +4,8 @@
   rosrun threelink_agent training_server __ns:=threelink
   rosrun threelink_agent train_client.py --config config/train_vfs.yaml --out runs/a
 
-The exit status is 0 if the training has finished, 2 for wrong arguments, and 1 otherwise.
+The exit status is 0 if the training has finished, 1 otherwise, and 2
+for wrong arguments.
 """
 import argparse
 import os
@@ -17,10 +18,14 @@ from actionlib_msgs.msg import GoalStatus
 from threelink_msgs.msg import TrainAction, TrainGoal
 
 
-def count(text):
-    if int(text) < 0:
-        raise argparse.ArgumentTypeError(f"{text}: must not be negative")
-    return int(text)
+def integer(low, high):
+    def convert(text):
+        value = int(text)
+        if not low <= value <= high:
+            raise argparse.ArgumentTypeError(f"{text} is not within {low} .. {high}")
+        return value
+    convert.__name__ = "integer"
+    return convert
 
 
 def parse(arguments):
@@ -28,8 +33,9 @@ def parse(arguments):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--config", default="", help="YAML file; not needed to resume")
     parser.add_argument("--out", required=True, help="folder of the run")
-    parser.add_argument("--seed", type=count, help="instead of the configuration's")
-    parser.add_argument("--episodes", type=count, default=0, help="likewise")
+    parser.add_argument("--seed", type=integer(0, 2**31 - 1),
+                        help="instead of the configuration's")
+    parser.add_argument("--episodes", type=integer(1, 2**31 - 1), default=0, help="likewise")
     parser.add_argument("--resume", action="store_true", help="go on with the run in --out")
     parser.add_argument("--workers", action="store_true", help="worker nodes play the episodes")
     parser.add_argument("--action", default="/threelink/train", help="name of the action")

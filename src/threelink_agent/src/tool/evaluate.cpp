@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -90,7 +91,8 @@ int main(int argc, char** argv) {
   app.add_option("--policy", path, "policy file (.safetensors)")->required();
   app.add_option("--trials", trials, "random starts, 0 to 1000000 (default 100)")
       ->check(CLI::Range(0, 1000000));
-  app.add_option("--seed", seed, "of the random starts (default 0)");
+  app.add_option("--seed", seed, "of the random starts (default 0)")
+      ->check(CLI::Range(std::int64_t(0), std::numeric_limits<std::int64_t>::max()));
   app.add_flag("--straight", straight, "random starts are straight; only the heading is random");
   app.add_option("--trajectory", trajectory,
                  "CSV to write of the three straight starts, a row a state:\n"

@@ -2,8 +2,10 @@
 #include "threelink_sim/optimal_stroke.hpp"
 
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -207,7 +209,9 @@ int main(int argc, char** argv) {
       ->excludes(pieces)
       ->excludes(square);
   app.add_option("--starts", search.starts, "random starts")->capture_default_str();
-  app.add_option("--seed", search.seed, "keys the starts")->capture_default_str();
+  app.add_option("--seed", search.seed, "keys the starts")
+      ->capture_default_str()
+      ->check(CLI::Range(std::int64_t(0), std::numeric_limits<std::int64_t>::max()));
   app.add_flag("--json", options.print_json, "prints the JSON, in one line, instead of text");
   app.footer("Exit status: 0 written; 1 no start converged; 2 wrong arguments or file.");
   try {

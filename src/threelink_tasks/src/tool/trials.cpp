@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <string>
@@ -128,7 +129,8 @@ int main(int argc, char** argv) {
   app.add_option("--policy", options.policy, "policy file (.safetensors)")->required();
   app.add_option("--trials", options.trials.trials, "1 to 1000000 (default 100)")
       ->check(CLI::Range(1, 1000000));
-  app.add_option("--seed", options.trials.seed, "keys all randomness (default 0)");
+  app.add_option("--seed", options.trials.seed, "keys all randomness (default 0)")
+      ->check(CLI::Range(std::int64_t(0), std::numeric_limits<std::int64_t>::max()));
   app.add_option("--v-ratio", options.v_ratio,
                  "pursuit: speed of the target / speed of the policy"
                  " (default 0.5)")
