@@ -43,7 +43,7 @@ def caption(results):
             for kind, *_ in KINDS}
     brief = "" if results.is_full else " Here the trainings are brief, of a few thousand episodes."
     return (f"Share of random starts from which the mean |θ_s| of translation is below 2.5 degrees; "
-            f"line: mean, small marks: each of {len(rates(results, 'steps', steps[0]))} seeds. "
+            f"line: mean, small marks: seeds ({len(rates(results, 'steps', steps[0]))} of each). "
             f"N_s = {', '.join(map(str, steps))}: {text['steps']} % where the return of an episode that "
             f"is cut goes on with the critic's value, {text['cut']} % where it ends with the episode, "
             f"as the paper's text has it. The paper's rises to 100 % at N_s = 200." + brief)
