@@ -161,7 +161,7 @@ class TrainActionTest(TrainingTestCase):
         call = [example, "--config", self.config, "--out", run]
         client = self.start(call + ["--seed=-1"])
         self.finish(client, status=2)
-        self.assertIn("--seed: -1: must not be negative", client.text())
+        self.assertIn("--seed: -1 is not within 0 .. 2147483647", client.text())
         self.worker("worker_1", step_cost=150)
         client = self.start(call + ["--workers"])
         self.assertTrue(wait(lambda: "update 3/60" in client.text()), self.output())

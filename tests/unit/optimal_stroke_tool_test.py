@@ -129,6 +129,7 @@ class OptimalStrokeToolTest(unittest.TestCase):
                 ("links = 2", ["--objective", "speed", "--links", "2"]),
                 ("gamma = -1", ["--objective", "speed", "--gamma", "-1"]),
                 ("c = 99", ["--objective", "energy_aware", "--c", "99"]),
+                ("energy_aware only", ["--objective", "speed", "--c", "3"]),
                 ("--pieces", ["--objective", "speed", "--pieces", "80", "--dt", "0.1"]),
                 ("pieces = 5", ["--square=-1,1", "--pieces", "5"]),
                 ("low angle 1 must be below", ["--square=1,-1"]),

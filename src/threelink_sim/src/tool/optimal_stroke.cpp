@@ -191,8 +191,9 @@ int main(int argc, char** argv) {
                      ->excludes(objective);
   app.add_option("--out", options.out, "writes OUT.csv (rates, for swim) and OUT.json (all)")
       ->required();
-  app.add_option("--b", search.b, "weight of the speed")->capture_default_str();
-  app.add_option("--c", search.c, "weight of the power")->capture_default_str();
+  auto* b = app.add_option("--b", search.b, "weight of the speed, of energy_aware")
+                ->capture_default_str();
+  auto* c = app.add_option("--c", search.c, "weight of the power, likewise")->capture_default_str();
   app.add_option("--links", search.model.links, "number of links N")->capture_default_str();
   app.add_option("--gamma", search.model.gamma, "drag ratio C_parallel / C_perp")
       ->capture_default_str();
@@ -218,6 +219,8 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
     if (objective->count() + square->count() == 0)
       throw CLI::RequiredError("--objective or --square");
+    if (b->count() + c->count() > 0 && options.objective != "energy_aware")
+      throw CLI::ValidationError("--b, --c", "weights of --objective energy_aware only");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kSuccess : kMisuse;
   }
