@@ -6,7 +6,7 @@ from threelink_report.style import SWIMMER, TARGET
 
 TITLE = "Diffusing targets (Fig. 8)"
 INPUTS = r"bags/pursuit_\w+\.bag"
-LAST = 2000  # steps that are magnified where there are more
+LAST = 2000  # steps that are magnified where they are a small part of the way
 RATIOS = (("pursuit_0", "0"), ("pursuit_05", "0.5"), ("pursuit_1", "1"))
 
 
@@ -21,7 +21,7 @@ def draw(results):
         draw_ends(axes, episode.centroids, SWIMMER, "o", 5)
         axes.set_aspect("equal", adjustable="datalim")
         axes.set(xlabel="x / L", ylabel="y / L")
-        if len(episode.times) > LAST:
+        if len(episode.times) > 5 * LAST:
             draw_end(axes, episode)
         axes.set_title(rf"$v_T / v_m$ = {ratio}", fontsize="medium")
     panels[0].legend(fontsize="small")

@@ -38,12 +38,12 @@ def draw_way(axes, way, motion, steps, colour):
     axes.axvline(at, color="black", linewidth=0.8, linestyle="--")
     axes.plot(*way.centroids[0], "o", color="white", markeredgecolor="0.2", markersize=5, zorder=4)
     low, high = axes.get_ylim()
-    axes.set(xlabel="x / L", ylabel="y / L", ylim=(low - 0.05, high + 1.1 * (high - low)))
+    axes.set(xlabel="x / L", ylabel="y / L", ylim=(low - 0.05, high + 1.5 * (high - low)))
     axes.annotate("steering", (at, 0.03), xytext=(-4, 0), xycoords=("data", "axes fraction"),
                   textcoords="offset points", ha="right", fontsize="small")
     axes.annotate("translation", (at, 0.03), xytext=(4, 0), xycoords=("data", "axes fraction"),
                   textcoords="offset points", ha="left", fontsize="small")
-    inset = axes.inset_axes([0.36, 0.58, 0.61, 0.34])
+    inset = axes.inset_axes([0.36, 0.62, 0.61, 0.34])
     inset.axhspan(-TRANSLATION, TRANSLATION, color="0.9", linewidth=0)
     inset.plot(motion.times, motion.theta_s, color=colour, linewidth=0.9)
     inset.set_xlabel(r"$t$ / $T_0$", fontsize="small", labelpad=1)
