@@ -23,8 +23,8 @@ class SmallReproduction:
             self.stroke(name)
         for name in experiments.OPTIMA:
             self.optimum(name)
-        for name in [*experiments.PENALTIES, *(f"{kind}_{steps}" for kind in experiments.SWEEPS
-                                               for steps in LENGTHS)]:
+        for name in [*experiments.STRATEGIES, *(f"{kind}_{steps}" for kind in experiments.SWEEPS
+                                                for steps in LENGTHS)]:
             for seed in range(SEEDS):
                 self.policy(f"{name}_{seed}")
         for name in experiments.EPISODES:

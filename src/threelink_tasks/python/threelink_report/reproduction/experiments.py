@@ -9,6 +9,8 @@ PYTHON = "/usr/bin/python3"
 MODULE = "threelink_report.reproduction"
 
 PENALTIES = {"vfs": 0, "eas_c1": 1, "eas_c2": 2, "eas": 3, "eas_c4": 4}  # strategy -> c
+NAVIGATOR = "homing"  # plays the tasks: trained to reach points
+STRATEGIES = (*PENALTIES, NAVIGATOR)  # that are measured
 # The sweep of N_s: with the recipe, and with returns that end with the episode, as in the paper.
 SWEEPS = {"steps": {}, "cut": {"advantage.bootstrap_at_time_limit": "false"}}
 # The three basic strokes of Fig. 1b: bounds of both hinge angles [rad].
@@ -92,35 +94,24 @@ def policy_file(name, seed):
     return f"policies/{name}_{seed}.safetensors"
 
 
-def navigator(config):
-    """The strategy that plays the tasks: the one that is trained to reach points, if there is one."""
-    return "homing" if os.path.exists(f"{config}/train_homing.yaml") else "vfs"
-
-
-def measured(config):
-    """The strategies, and what plays the tasks."""
-    return list(dict.fromkeys([*PENALTIES, navigator(config)]))
-
-
 def seeds(scale):
     """Of the policies that are measured."""
     return range(scale.seeds if scale.mode == "full" else 1)
 
 
 def policies(scale, config):
-    names = measured(config)
     if scale.mode == "quick":
         return [Stage(f"shipped_{name}", f"shipped policy {name}",
                       ("cp", f"{config}/policies/{name}.safetensors", OUT + "/policy"),
                       {policy_file(name, 0): "policy"},
-                      (f"{config}/policies/{name}.safetensors",)) for name in names]
+                      (f"{config}/policies/{name}.safetensors",)) for name in STRATEGIES]
     plan = []
-    for name in names:
-        base = f"{config}/train_{name if name in ('vfs', 'homing') else 'eas'}.yaml"
+    for name in STRATEGIES:
+        base = f"{config}/train_{name if name in ('vfs', NAVIGATOR) else 'eas'}.yaml"
         if name in PENALTIES:
             plan.append(configuration(name, base, {"environment.c": f"{PENALTIES[name]:.1f}"}))
             base = f"configs/{name}.yaml"
-        share = 2.0 if name == "homing" else 1.0  # it takes twice the epochs
+        share = 2.0 if name == NAVIGATOR else 1.0  # it takes twice the epochs
         plan += [training(name, base, seed, 0, share) for seed in seeds(scale)]
     return plan
 
@@ -146,8 +137,8 @@ def sweep(scale, config):
     return plan
 
 
-def measures(scale, config):
-    names = [(name, seed) for name in measured(config) for seed in seeds(scale)]
+def measures(scale):
+    names = [(name, seed) for name in STRATEGIES for seed in seeds(scale)]
     names += [(f"{kind}_{steps}", seed) for kind in SWEEPS for steps in scale.steps_sweep
               for seed in range(scale.sweep_seeds)]
     plan = []
@@ -165,14 +156,14 @@ def measures(scale, config):
 # --- Tasks ----------------------------------------------------------------------------------------
 
 
-def trials(scale, config):
+def trials(scale):
     """Many episodes of each task, with every seed of the policy."""
     plan = []
     for name, (_, *arguments) in EPISODES.items():
         task = ("--task", name.partition("_")[0])
         ratio = [word.rpartition("=")[2] for word in arguments]
         for seed in seeds(scale):
-            policy = policy_file(navigator(config), seed)
+            policy = policy_file(NAVIGATOR, seed)
             plan.append(Stage(
                 f"trials_{name}_{seed}", f"trials of {name}, seed {seed}",
                 ("rosrun", "threelink_tasks", "trials", *task, "--policy", policy, "--trials",
@@ -183,9 +174,9 @@ def trials(scale, config):
     return plan
 
 
-def episodes(config):
+def episodes():
     """One of each task over topics, in a bag that proves itself."""
-    plan, policy = [], policy_file(navigator(config), 0)
+    plan, policy = [], policy_file(NAVIGATOR, 0)
     for name, (launch, *arguments) in EPISODES.items():
         bag = f"bags/{name}.bag"
         plan += [

@@ -11,7 +11,7 @@ import sys
 from threelink_report import player
 
 from . import table as numbers
-from .experiments import EPISODES, PENALTIES
+from .experiments import EPISODES, STRATEGIES
 from .figures import FIGURES
 from .results import Results
 from .stage import sha256
@@ -115,7 +115,7 @@ def configuration(results):
     hashes = element("details", element("summary", f"{len(files)} policy files and their sha256")
                      + element("table", element("tbody", rows), class_="results"))
     parts = []
-    for name in [*PENALTIES, "homing"]:
+    for name in STRATEGIES:
         path = f"policies/{name}_0.safetensors"
         if path in files:
             parts.append(element("details", element("summary", f"training of {text(name)}")

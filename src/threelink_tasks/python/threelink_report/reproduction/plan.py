@@ -38,10 +38,10 @@ FULL = Scale("full", 5, 0, (25, 50, 75, 100, 150, 200), 5, 0, 2000, 1000, (), ()
 
 def stages(scale, config):
     """config: the folder of configurations and shipped policies."""
-    plan = experiments.policies(scale, config) + experiments.episodes(config) + movies(scale)
+    plan = experiments.policies(scale, config) + experiments.episodes() + movies(scale)
     plan += experiments.strokes() + experiments.optima(scale)
     plan += experiments.curves(scale, config) + experiments.sweep(scale, config)
-    plan += experiments.measures(scale, config) + experiments.trials(scale, config)
+    plan += experiments.measures(scale) + experiments.trials(scale)
     made = [name for stage in plan for name in stage.outputs]
     return plan + figures(made) + report(made)
 

@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 
-from .experiments import EPISODES, PENALTIES, SQUARES
+from .experiments import EPISODES, NAVIGATOR, PENALTIES, SQUARES
 from .results import B, Results, interval, objective
 
 MET, MISSED, NONE = "met", "missed", "-"
@@ -119,13 +119,11 @@ def success_rows(results):
 
 
 def task_rows(results):
-    rows = []
-    homing = results.evaluations("homing")
-    if homing:
-        speeds, best = [one["speed"] for one in homing], results.optimum("speed")["speed"]
-        rows.append(row("homing: speed towards a far target", speeds,
-                        results.seeds("data/evaluate", "homing", "json"), "L/T0", None, best,
-                        "≥ 99.7 % of the optimum, every seed", min(speeds) >= 0.997 * best))
+    speeds = [one["speed"] for one in results.evaluations(NAVIGATOR)]
+    best = results.optimum("speed")["speed"]
+    rows = [row("homing: speed towards a far target", speeds,
+                results.seeds("data/evaluate", NAVIGATOR, "json"), "L/T0", None, best,
+                "≥ 99.7 % of the optimum, every seed", min(speeds) >= 0.997 * best)]
     for name in EPISODES:
         trials, sources = results.trials(name), results.seeds("data/trials", name, "json")
         completed = [one["completed"] / one["trials"] for one in trials]
