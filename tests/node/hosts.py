@@ -1,4 +1,5 @@
 """Two hosts on one machine: network namespaces, joined by a cable. Needs root and iproute2."""
+import functools
 import os
 import signal
 import subprocess
@@ -6,18 +7,24 @@ import subprocess
 ADDRESSES = ("10.77.0.1", "10.77.0.2")
 
 
+@functools.lru_cache(maxsize=None)
 def why_not():
-    """Why there can be no hosts here; empty if there can."""
-    name = "threelink_%d" % os.getpid()
+    """Why there can be no hosts here; empty if there can. Some machines, such as containers, let
+    namespaces be made, but not be entered or joined: so two are made and used."""
     try:
-        made = subprocess.run(["ip", "netns", "add", name], stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, universal_newlines=True)
-    except FileNotFoundError:
-        return "there is no `ip` (package iproute2)"
-    if made.returncode != 0:
-        return "no network namespace can be made: " + made.stdout.strip()
-    subprocess.run(["ip", "netns", "del", name], check=True)
+        with Hosts() as hosts:
+            hosts.run(0, ["true"])
+    except FileNotFoundError as error:
+        return "there is no `%s`" % error.filename
+    except subprocess.CalledProcessError as error:
+        return "`%s` is not allowed here: %s" % (" ".join(error.cmd), error.stdout.strip())
     return ""
+
+
+def done(command):
+    """Runs a command to its end; what it says is in the error if it fails."""
+    subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                   universal_newlines=True)
 
 
 class Hosts:
@@ -28,9 +35,9 @@ class Hosts:
         self.devices = ["tl%s%d" % (host, os.getpid() % 10000000) for host in ("a", "b")]
 
     def __enter__(self):
-        for name in self.names:
-            subprocess.run(["ip", "netns", "add", name], check=True)
         try:
+            for name in self.names:
+                done(["ip", "netns", "add", name])
             self.lay_cable()
             for host, (device, address) in enumerate(zip(self.devices, ADDRESSES)):
                 self.run(host, ["ip", "link", "set", "lo", "up"])
@@ -44,6 +51,8 @@ class Hosts:
     def __exit__(self, *_):
         """With everything that runs on them."""
         for name in self.names:
+            if not os.path.exists("/var/run/netns/" + name):
+                continue
             found = subprocess.run(["ip", "netns", "pids", name], stdout=subprocess.PIPE)
             for pid in found.stdout.split():
                 try:
@@ -54,19 +63,21 @@ class Hosts:
 
     def lay_cable(self):
         a, b = self.devices
-        subprocess.run(["ip", "link", "add", a, "type", "veth", "peer", "name", b], check=True)
+        done(["ip", "link", "add", a, "type", "veth", "peer", "name", b])
         for device, name in zip(self.devices, self.names):
-            subprocess.run(["ip", "link", "set", device, "netns", name], check=True)
+            done(["ip", "link", "set", device, "netns", name])
 
     def command(self, host, command, **environment):
-        """What runs a command on a host."""
+        """What runs a command on a host. `ip netns exec` would mount /sys anew, which is not allowed
+        in every container; nsenter enters the network only."""
         environment = {"ROS_MASTER_URI": "http://%s:11311" % ADDRESSES[0],
                        "ROS_IP": ADDRESSES[host], **environment}
-        return (["ip", "netns", "exec", self.names[host], "env", "-u", "ROS_HOSTNAME"] +
+        return (["nsenter", "--net=/var/run/netns/" + self.names[host],
+                 "env", "-u", "ROS_HOSTNAME"] +
                 ["%s=%s" % item for item in environment.items()] + list(command))
 
     def run(self, host, command):
-        subprocess.run(self.command(host, command), check=True)
+        done(self.command(host, command))
 
     def limit(self, rate):
         """Of both directions, such as 10mbit."""

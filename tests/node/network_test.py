@@ -9,6 +9,7 @@ import unittest
 import rostest
 
 import hosts
+import skips  # noqa: F401, rosunit's results
 from training_processes import TrainingTestCase, program
 from waiting import wait
 

@@ -24,6 +24,7 @@ from tf2_msgs.msg import TFMessage
 from threelink_msgs.msg import (Episode, EpisodeAbort, HingeRates, Observation, PolicyWeights,
                                 Recording, SwimmerState)
 
+import skips  # noqa: F401, rosunit's results
 from waiting import wait
 
 PROGRAM = roslib.packages.find_node("threelink_tasks", "recorder_node")[0]

@@ -15,6 +15,7 @@ import rosnode
 import rospy
 import rostest
 
+import skips  # noqa: F401, rosunit's results
 from training_processes import TrainingTestCase
 from waiting import wait
 

@@ -7,7 +7,8 @@ import unittest
 
 import rosunit
 
-SOURCE = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "src")
+ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", ".."))
+SOURCE = os.path.join(ROOT, "src")
 ROS_INCLUDE = re.compile(
     r'#include\s*[<"](ros|rosbag|tf2_ros|topic_tools|diagnostic_updater|\w+_msgs)/')
 
@@ -20,6 +21,20 @@ def files(package, *folders):
             for name in names:
                 if name.endswith((".hpp", ".cpp", ".inc")):
                     yield os.path.join(root, name)
+
+
+def python_files():
+    """(path, text) of all, those without an ending, too."""
+    for part in ("scripts", "src", "tests"):
+        for root, directories, names in os.walk(os.path.join(ROOT, part)):
+            for name in names:
+                path = os.path.join(root, name)
+                if not name.endswith(".py"):
+                    with open(path, "rb") as file:
+                        if not re.match(rb"#!.*python", file.readline(100)):
+                            continue
+                with open(path, encoding="utf-8") as file:
+                    yield path, file.read()
 
 
 class StructureTest(unittest.TestCase):
@@ -46,6 +61,13 @@ class StructureTest(unittest.TestCase):
                                        universal_newlines=True, check=True).stdout
             self.assertIn("libroscpp", libraries)
             self.assertNotIn("torch", libraries, name)
+
+    def test_skipped_tests_are_counted(self):
+        # rosunit takes them for passed; tests/node/skips.py does not.
+        for path, text in python_files():
+            skips = re.search(r"(self|unittest)\.skip(Test|If|Unless)?\(", text)
+            if skips and re.search(r"\b(unitrun|rosrun)\(", text):
+                self.assertIn("\nimport skips", text, path)
 
 
 if __name__ == "__main__":

@@ -5,11 +5,15 @@ import os
 import pty
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 
 import rosunit
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "node"))
+import skips  # noqa: F401, rosunit's results
 
 CONFIG = os.path.join(
     os.path.dirname(os.path.realpath(__file__)), "..", "..", "config", "train_vfs.yaml")
