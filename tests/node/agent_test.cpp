@@ -23,7 +23,7 @@
 #include <unistd.h>
 
 #include "../unit/random_policy.hpp"
-#include "threelink_agent/files.hpp"
+#include "threelink_sim/files.hpp"
 
 namespace threelink_tests {
 namespace {
@@ -78,7 +78,7 @@ class AgentProcess {
     }
     return status_;
   }
-  std::string output() const { return threelink_agent::read_file(log_, 1 << 20); }
+  std::string output() const { return threelink_sim::read_file(log_, 1 << 20); }
 
  private:
   std::string log_;
@@ -331,9 +331,9 @@ TEST_F(AgentTest, LoadsFilesAndKeepsTheOldPolicyIfTheyAreUnsound) {
   const std::string bytes = policy.serialize();
   std::string flipped = bytes;
   flipped[flipped.size() - 100] ^= 1;
-  threelink_agent::write_file(file("flipped"), flipped);
+  threelink_sim::write_file(file("flipped"), flipped);
   EXPECT_TRUE(contains(load(file("flipped"), false, policy), file("flipped") + ": damaged"));
-  threelink_agent::write_file(file("short"), bytes.substr(0, bytes.size() / 2));
+  threelink_sim::write_file(file("short"), bytes.substr(0, bytes.size() / 2));
   EXPECT_TRUE(contains(load(file("short"), false, policy), file("short")));
   EXPECT_TRUE(contains(load(file("none"), false, policy), "cannot open"));
   EXPECT_TRUE(contains(load("", false, policy), "cannot open"));
@@ -358,7 +358,7 @@ TEST_F(AgentTest, DoesNotStartWithoutASoundPolicy) {
   EXPECT_TRUE(contains(text, file("none") + ": cannot open")) << text;
   std::string flipped = random_policy(9).serialize();
   flipped[5000] ^= 1;
-  threelink_agent::write_file(file("flipped"), flipped);
+  threelink_sim::write_file(file("flipped"), flipped);
   text = refusal("_policy:=" + file("flipped"));
   EXPECT_TRUE(contains(text, "damaged")) << text;
   random_policy(9).save(file("good"));

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "random_policy.hpp"
-#include "threelink_agent/files.hpp"
+#include "threelink_sim/files.hpp"
 #include "threelink_agent/safetensors.hpp"
 #include "threelink_agent/symmetry.hpp"
 

@@ -15,7 +15,7 @@
 #include <unistd.h>
 
 #include "small_training.hpp"
-#include "threelink_agent/files.hpp"
+#include "threelink_sim/files.hpp"
 
 namespace threelink_tests {
 namespace {
@@ -221,7 +221,7 @@ TEST_F(RunFolderTest, WhatCannotBeWrittenIsNamedAndLeavesTheOldFiles) {
           folder.add(trainer.update(), 0, 0);
           folder.finish(trainer, 0);
           FAIL() << "a limit of 1000 bytes let everything through";
-        } catch (const FileError& error) {
+        } catch (const threelink_sim::FileError& error) {
           const std::string text = error.what();
           EXPECT_NE(text.find(path_.string()), std::string::npos) << text;
           EXPECT_NE(text.find(" bytes: File too large"), std::string::npos) << text;
@@ -239,7 +239,7 @@ TEST_F(RunFolderTest, WhatCannotBeWrittenIsNamedAndLeavesTheOldFiles) {
       const UpdateReport report = trainer.update();
       try {
         folder.add(report, 0, 0);
-      } catch (const FileError& error) {
+      } catch (const threelink_sim::FileError& error) {
         EXPECT_NE(std::string(error.what()).find("checkpoint_"), std::string::npos) << error.what();
       }
     }

@@ -12,7 +12,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "threelink_agent/files.hpp"
 #include "threelink_agent/sha256.hpp"
 #include "threelink_sim/random.hpp"
 
@@ -156,50 +155,6 @@ TEST(Safetensors, RefusesWhatIsNoContainer) {
   EXPECT_THROW(serialize(container), ContainerError);
   container.metadata["text"] = std::string(kMaxHeaderBytes, ' ');
   EXPECT_THROW(serialize(container), ContainerError);
-}
-
-class FilesTest : public testing::Test {
- protected:
-  void SetUp() override { std::filesystem::create_directory(folder_); }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  const std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / "files_test";
-};
-
-TEST_F(FilesTest, ReplacesWholeFiles) {
-  const std::string path = folder_ / "file";
-  write_file(path, "first");
-  write_file(path, "second");
-  EXPECT_EQ(read_file(path, 6), "second");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
-}
-
-TEST_F(FilesTest, NamesWhatItCannotDo) {
-  const auto failure = [](const auto& action) -> std::string {
-    try {
-      action();
-    } catch (const FileError& error) {
-      return error.what();
-    }
-    return "none";
-  };
-  const std::string path = folder_ / "file";
-  EXPECT_NE(failure([&] { read_file(path, 10); }).find(path + ": cannot open"), std::string::npos);
-  EXPECT_NE(failure([&] { read_file(folder_, 10); }).find("not a file"), std::string::npos);
-  EXPECT_NE(failure([&] { write_file(folder_ / "none" / "file", "x"); }).find("none/file"),
-            std::string::npos);
-  write_file(path, "too long");
-  EXPECT_NE(failure([&] { read_file(path, 7); }).find("8 bytes, at most 7"), std::string::npos);
-}
-
-TEST_F(FilesTest, AFailureLeavesTheOldFile) {
-  // A folder in the place of the file: the last step, the rename, fails.
-  const std::filesystem::path path = folder_ / "taken";
-  std::filesystem::create_directory(path);
-  write_file(path / "old", "old");
-  EXPECT_THROW(write_file(path, "new"), FileError);
-  EXPECT_EQ(read_file(path / "old", 3), "old");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
 }
 
 }  // namespace

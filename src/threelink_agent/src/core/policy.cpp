@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "policy_file.hpp"
-#include "threelink_agent/files.hpp"
+#include "threelink_sim/files.hpp"
 #include "threelink_agent/symmetry.hpp"
 #include "threelink_sim/environment.hpp"
 #include "threelink_sim/isa.hpp"
@@ -89,8 +89,8 @@ Policy::Policy(PolicyMetadata metadata, Mlp actor, Eigen::VectorXf log_std)
 
 Policy Policy::load(const std::string& path) {
   try {
-    return parse(read_file(path, kMaxContainerBytes), path);
-  } catch (const FileError& error) {
+    return parse(threelink_sim::read_file(path, kMaxContainerBytes), path);
+  } catch (const threelink_sim::FileError& error) {
     throw PolicyError(error.what());
   }
 }
@@ -115,7 +115,7 @@ Policy Policy::parse(const std::string& bytes, const std::string& source) {
   }
 }
 
-void Policy::save(const std::string& path) const { write_file(path, bytes_); }
+void Policy::save(const std::string& path) const { threelink_sim::write_file(path, bytes_); }
 
 void Policy::act_or_sample(std::size_t n, const double* observations, const ActionKey* keys,
                            double* rates, float* x, float* y) const {

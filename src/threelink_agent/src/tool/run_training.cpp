@@ -8,7 +8,7 @@
 
 #include "learning_curve.hpp"
 #include "terminal.hpp"
-#include "threelink_agent/files.hpp"
+#include "threelink_sim/files.hpp"
 #include "threelink_agent/training/backend.hpp"
 #if defined(THREELINK_LIBTORCH)
 #include "threelink_agent/training/blas.hpp"
@@ -86,9 +86,9 @@ void train_on(Trainer& trainer, RunFolder& folder, Progress& progress, const Run
     hooks.on_update(trainer, &report, progress);
     try {
       folder.add(report, progress.seconds(), progress.steps_per_s());
-    } catch (const FileError& error) {
+    } catch (const threelink_sim::FileError& error) {
       if (settings.stop_on_save_error)
-        throw FileError(
+        throw threelink_sim::FileError(
             fmt::format("{}\nstopped; what was written before is untouched, and {}resume goes on "
                         "from it",
                         error.what(), settings.prefix));

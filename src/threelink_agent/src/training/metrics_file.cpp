@@ -8,8 +8,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "threelink_agent/files.hpp"
-
 namespace threelink_agent {
 namespace {
 
@@ -19,14 +17,14 @@ constexpr char kHeader[] =
     "poisoned\n";
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
-  throw FileError(
+  throw threelink_sim::FileError(
       fmt::format("{}: cannot {}: {}", path, what, std::generic_category().message(errno)));
 }
 
-int open_for_appending(const std::string& path, int flags) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC | flags, 0666);
-  if (descriptor < 0) fail(path, "open");
-  return descriptor;
+threelink_sim::Descriptor open_for_appending(const std::string& path, int flags) {
+  threelink_sim::Descriptor file(path, O_WRONLY | O_APPEND | flags);
+  if (!file) fail(path, "open");
+  return file;
 }
 
 // One column, empty where there is no value.
@@ -52,29 +50,20 @@ std::string row(const UpdateReport& report, double seconds, double steps_per_s) 
 }  // namespace
 
 MetricsFile::MetricsFile(const std::string& path)
-    : path_(path), descriptor_(open_for_appending(path, O_CREAT | O_TRUNC)), kept_(kHeader) {
-  try {
-    flush();
-  } catch (...) {
-    ::close(descriptor_);
-    throw;
-  }
+    : path_(path), file_(open_for_appending(path, O_CREAT | O_TRUNC)), kept_(kHeader) {
+  flush();
 }
 
 MetricsFile::MetricsFile(const std::string& path, std::uint64_t bytes)
-    : path_(path), descriptor_(open_for_appending(path, 0)), bytes_(bytes) {
+    : path_(path), file_(open_for_appending(path, 0)), bytes_(bytes) {
   struct stat status {};
-  ::fstat(descriptor_, &status);
+  ::fstat(file_.get(), &status);
   const auto size = static_cast<std::uint64_t>(status.st_size);
-  if (size >= bytes && ::ftruncate(descriptor_, static_cast<off_t>(bytes)) == 0) return;
-  const std::string reason =
-      size < bytes ? fmt::format("{} bytes, but the checkpoint was made after {}", size, bytes)
-                   : "cannot be shortened";
-  ::close(descriptor_);
-  throw FileError(fmt::format("{}: {}", path, reason));
+  if (size < bytes)
+    throw threelink_sim::FileError(
+        fmt::format("{}: {} bytes, but the checkpoint was made after {}", path, size, bytes));
+  if (::ftruncate(file_.get(), static_cast<off_t>(bytes)) != 0) fail(path, "shorten");
 }
-
-MetricsFile::~MetricsFile() { ::close(descriptor_); }
 
 void MetricsFile::add(const UpdateReport& report, double seconds, double steps_per_s) {
   kept_ += row(report, seconds, steps_per_s);
@@ -84,12 +73,12 @@ void MetricsFile::add(const UpdateReport& report, double seconds, double steps_p
 void MetricsFile::flush() {
   std::size_t done = 0;
   while (done < kept_.size()) {
-    const ssize_t written = ::write(descriptor_, &kept_[done], kept_.size() - done);
+    const ssize_t written = ::write(file_.get(), &kept_[done], kept_.size() - done);
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
       const int error = errno;
       // Without the piece of a row. Should this fail too, the next resume cuts it off.
-      if (done > 0 && ::ftruncate(descriptor_, static_cast<off_t>(bytes_)) != 0) errno = error;
+      if (done > 0 && ::ftruncate(file_.get(), static_cast<off_t>(bytes_)) != 0) errno = error;
       errno = error;
       fail(path_, fmt::format("write {} bytes", kept_.size()));
     }
@@ -101,7 +90,7 @@ void MetricsFile::flush() {
 
 void MetricsFile::sync() const {
   // Some file systems cannot, and say so.
-  if (::fsync(descriptor_) != 0 && errno != EINVAL) fail(path_, "sync");
+  if (::fsync(file_.get()) != 0 && errno != EINVAL) fail(path_, "sync");
 }
 
 }  // namespace threelink_agent

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "threelink_agent/files.hpp"
 #include "threelink_agent/safetensors.hpp"
+#include "threelink_sim/files.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -39,26 +39,20 @@ std::map<std::uint32_t, fs::path> checkpoints_in(const fs::path& folder) {
   return found;
 }
 
-// As write_file() names them: FILE.PROCESS.tmp.
-bool is_temporary(const fs::path& file) {
-  const std::string process = file.stem().extension().string();
-  return file.extension() == ".tmp" && process.size() > 1 &&
-         process.find_first_not_of("0123456789", 1) == std::string::npos;
-}
-
 // Nothing but what a process leaves that was killed before its run began.
 bool is_fresh(const fs::path& folder) {
   return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
                      [](const fs::directory_entry& entry) {
                        return entry.path().filename() == RunLock::kFile ||
-                              is_temporary(entry.path());
+                              threelink_sim::is_temporary_name(entry.path().filename().string());
                      });
 }
 
 // Unless it is there already: a run that has finished needs no room to say so.
 void keep(const Policy& policy, const fs::path& path) {
   const bool saved =
-      fs::exists(path) && read_file(path.string(), kMaxContainerBytes) == policy.serialize();
+      fs::exists(path) &&
+      threelink_sim::read_file(path.string(), kMaxContainerBytes) == policy.serialize();
   if (!saved) policy.save(path.string());
 }
 
@@ -98,10 +92,11 @@ void RunFolder::find_checkpoint() {
   for (auto newest = found.rbegin(); newest != found.rend() && !checkpoint_; ++newest) {
     const std::string file = newest->second.string();
     try {
-      checkpoint_ = parse_checkpoint(read_file(file, kMaxContainerBytes), file, config_);
+      checkpoint_ =
+          parse_checkpoint(threelink_sim::read_file(file, kMaxContainerBytes), file, config_);
     } catch (const CheckpointError& error) {
       warnings_.push_back(error.what());
-    } catch (const FileError& error) {
+    } catch (const threelink_sim::FileError& error) {
       warnings_.push_back(error.what());
     }
   }
@@ -119,8 +114,9 @@ void RunFolder::find_checkpoint() {
 
 void RunFolder::begin() {
   for (const fs::directory_entry& entry : fs::directory_iterator(path_))
-    if (is_temporary(entry.path())) fs::remove(entry.path());
-  if (!holds_a_run()) write_file(config_path().string(), to_yaml(config_));
+    if (threelink_sim::is_temporary_name(entry.path().filename().string()))
+      fs::remove(entry.path());
+  if (!holds_a_run()) threelink_sim::write_file(config_path().string(), to_yaml(config_));
   const std::string metrics = metrics_path().string();
   metrics_ = checkpoint_ ? std::make_unique<MetricsFile>(metrics, checkpoint_->metrics_bytes)
                          : std::make_unique<MetricsFile>(metrics);
@@ -153,7 +149,7 @@ void RunFolder::put(const Trainer& trainer, double seconds) {
 void RunFolder::write(const Checkpoint& checkpoint) {
   metrics_->sync();
   const std::uint32_t update = checkpoint.state.update;
-  write_file((path_ / checkpoint_name(update)).string(), serialize(checkpoint));
+  threelink_sim::write_file((path_ / checkpoint_name(update)).string(), serialize(checkpoint));
   if (checkpoint.state.best) keep(checkpoint.state.best->policy, policy_path());
   // Of this one and its predecessors; there are newer ones only if they are damaged.
   const auto found = checkpoints_in(path_);

@@ -1,5 +1,6 @@
 #include "threelink_agent/training/run_lock.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 
@@ -11,39 +12,34 @@
 namespace threelink_agent {
 namespace {
 
+// Nobody but its holder is to write into this file: whatever else it holds is not shown.
 std::string process_in(int descriptor) {
-  char text[32];
+  char text[16];
   const ssize_t got = ::pread(descriptor, text, sizeof(text), 0);
-  return got > 0 ? fmt::format("process {}", std::string(text, text + got)) : "another process";
+  const std::string process(text, text + std::max<ssize_t>(got, 0));
+  const bool digits = process.find_first_not_of("0123456789") == std::string::npos;
+  return digits && !process.empty() ? "process " + process : "another process";
 }
 
 }  // namespace
 
 RunLock::RunLock(const std::string& folder) {
   const std::string path = fmt::format("{}/{}", folder, kFile);
-  descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (descriptor_ < 0)
-    throw RunFolderError(
-        fmt::format("{}: cannot be written: {}", path, std::generic_category().message(errno)));
   const auto refuse = [&](const std::string& reason) {
-    ::close(descriptor_);
-    return RunFolderError(reason);
+    return RunFolderError(
+        fmt::format("{}: {}: {}", path, reason, std::generic_category().message(errno)));
   };
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-    const int error = errno;
-    throw refuse(error == EWOULDBLOCK
-                     ? fmt::format("{}: is in use by {}", folder, process_in(descriptor_))
-                     : fmt::format("{}: cannot be locked: {}", path,
-                                   std::generic_category().message(error)));
+  // O_NOFOLLOW: through a link it would empty a file of somebody else.
+  file_ = threelink_sim::Descriptor(path, O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK);
+  if (!file_) throw refuse("cannot be written");
+  if (::flock(file_.get(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK) throw refuse("cannot be locked");
+    throw RunFolderError(fmt::format("{}: is in use by {}", folder, process_in(file_.get())));
   }
   const std::string process = fmt::format("{}", ::getpid());
-  const auto size = static_cast<ssize_t>(process.size());
-  if (::ftruncate(descriptor_, 0) != 0 ||
-      ::pwrite(descriptor_, process.data(), process.size(), 0) != size)
-    throw refuse(fmt::format("{}: cannot write {} bytes: {}", path, size,
-                             std::generic_category().message(errno)));
+  if (::ftruncate(file_.get(), 0) != 0 || ::pwrite(file_.get(), process.data(), process.size(),
+                                                   0) != static_cast<ssize_t>(process.size()))
+    throw refuse(fmt::format("cannot write {} bytes", process.size()));
 }
-
-RunLock::~RunLock() { ::close(descriptor_); }
 
 }  // namespace threelink_agent

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "threelink_agent/files.hpp"
 #include "threelink_agent/training/train_config.hpp"
+#include "threelink_sim/files.hpp"
 #include "threelink_sim/nearest_name.hpp"
 #include "threelink_sim/parameter_map.hpp"
 
@@ -220,8 +220,8 @@ TrainConfig parse_train_config(const std::string& yaml, const std::string& sourc
 
 TrainConfig load_train_config(const std::string& path) {
   try {
-    return parse_train_config(read_file(path, kMostBytes), path);
-  } catch (const FileError& error) {
+    return parse_train_config(threelink_sim::read_file(path, kMostBytes), path);
+  } catch (const threelink_sim::FileError& error) {
     throw ConfigError(error.what());
   }
 }

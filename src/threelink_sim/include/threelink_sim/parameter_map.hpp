@@ -6,7 +6,6 @@
 #include <functional>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,13 +13,9 @@
 #include <Eigen/Core>
 #include <yaml-cpp/yaml.h>
 
-namespace threelink_sim {
+#include "threelink_sim/usage_error.hpp"
 
-// Something that the user has to put right: what() says what, and a program exits with 2.
-class UsageError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+namespace threelink_sim {
 
 // what() gives the parameter's full name, its value, its type and what it must be.
 class ParameterError : public UsageError {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "threelink_agent/training/trainer.hpp"
+#include "threelink_sim/files.hpp"
 
 namespace threelink_agent {
 
@@ -17,9 +18,6 @@ class MetricsFile {
   // Goes on behind the first `bytes` bytes of a file; rows after them are cut off. Throws FileError
   // if it is shorter.
   MetricsFile(const std::string& path, std::uint64_t bytes);
-  ~MetricsFile();
-  MetricsFile(const MetricsFile&) = delete;
-  MetricsFile& operator=(const MetricsFile&) = delete;
 
   // seconds: wall time since the start; steps_per_s: of this update. Throws FileError.
   void add(const UpdateReport& report, double seconds, double steps_per_s);
@@ -35,7 +33,7 @@ class MetricsFile {
 
  private:
   std::string path_;
-  int descriptor_;
+  threelink_sim::Descriptor file_;
   std::uint64_t bytes_ = 0;
   std::string kept_;
 };

@@ -1,15 +1,17 @@
 // One process a run.
 #pragma once
 
-#include <stdexcept>
 #include <string>
+
+#include "threelink_sim/files.hpp"
+#include "threelink_sim/usage_error.hpp"
 
 namespace threelink_agent {
 
 // A folder that cannot be used for a run; what() names it and the reason.
-class RunFolderError : public std::runtime_error {
+class RunFolderError : public threelink_sim::UsageError {
  public:
-  using std::runtime_error::runtime_error;
+  using UsageError::UsageError;
 };
 
 // Holds FOLDER/run.lock, which names the process, by flock(2): the system drops the lock with the
@@ -20,12 +22,9 @@ class RunLock {
 
   // Throws RunFolderError at once, naming the process that holds the lock, or the reason.
   explicit RunLock(const std::string& folder);
-  ~RunLock();
-  RunLock(const RunLock&) = delete;
-  RunLock& operator=(const RunLock&) = delete;
 
  private:
-  int descriptor_;
+  threelink_sim::Descriptor file_;
 };
 
 }  // namespace threelink_agent
