@@ -227,5 +227,12 @@ TEST_P(GradientKernelsTest, AdamTakesTheStepOfThePaper) {
   }
 }
 
+TEST(Gaussian, LogDensityAndEntropy) {
+  const double log_2_pi = std::log(2 * std::acos(-1.0));
+  EXPECT_NEAR(log_density(1, std::log(0.5f)), -0.5 - std::log(0.5) - log_2_pi / 2, 1e-6);
+  EXPECT_NEAR(log_density(-1, std::log(2.0f)), -0.5 - std::log(2.0) - log_2_pi / 2, 1e-6);
+  EXPECT_NEAR(gaussian_entropy(std::log(3.0f)), (1 + log_2_pi) / 2 + std::log(3.0), 1e-6);
+}
+
 }  // namespace
 }  // namespace threelink_tests

@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "threelink_agent/training/gaussian.hpp"
-
 namespace threelink_tests {
 namespace {
 
@@ -63,22 +61,20 @@ TEST(PolicyLoss, IsTheMeanOverSamples) {
   EXPECT_NEAR(clipped_policy_loss(log_ratio, advantages, 0.2).item<double>(), -(1 + 2.4) / 2, 1e-6);
 }
 
-TEST(Gaussian, LogProbability) {
+TEST(Losses, LogProbability) {
   // Hinge 1: z = (1 - 0.5) / 0.5 = 1; hinge 2: z = (-1 - 1) / 2 = -1.
   const torch::Tensor actions = torch::tensor({{1.0f, -1.0f}}),
                       mean = torch::tensor({{0.5f, 1.0f}});
   const torch::Tensor log_std = torch::log(torch::tensor({0.5f, 2.0f}));
   const double expected = -0.5 - std::log(0.5) - 0.5 - std::log(2.0) - kLog2Pi;
   EXPECT_NEAR(log_probability(actions, mean, log_std).item<double>(), expected, 1e-6);
-  EXPECT_NEAR(log_density(1, std::log(0.5f)) + log_density(-1, std::log(2.0f)), expected, 1e-6);
 }
 
-TEST(Gaussian, Entropy) {
+TEST(Losses, Entropy) {
   // (1 + log(2 pi)) / 2 + log std for each hinge
   const torch::Tensor log_std = torch::log(torch::tensor({0.5f, 3.0f}));
   const double expected = 1 + kLog2Pi + std::log(1.5);
   EXPECT_NEAR(entropy(log_std).item<double>(), expected, 1e-6);
-  EXPECT_NEAR(gaussian_entropy(std::log(0.5f)) + gaussian_entropy(std::log(3.0f)), expected, 1e-6);
 }
 
 TEST(Losses, ValueLossIsHalfTheMeanSquare) {

@@ -148,6 +148,11 @@ TEST_F(RunFolderTest, AProcessKilledInTheMiddleOfAWriteLeavesWholeFiles) {
       train(Opening::kResume, config.updates(), config);
       _exit(0);
     }
+    // The first process is killed once it has written a checkpoint, however long that takes here.
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (kill_number == 0 && (!fs::exists(path_) || checkpoints().empty()) &&
+           std::chrono::steady_clock::now() < deadline)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     std::this_thread::sleep_for(std::chrono::microseconds(random() % 60'000));
     kill(child, SIGKILL);
     ASSERT_EQ(waitpid(child, nullptr, 0), child);

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "available_backends.hpp"
 #include "small_training.hpp"
 
 namespace threelink_tests {
@@ -15,15 +16,8 @@ namespace {
 
 using namespace threelink_agent;
 
-std::vector<Backend> backends() {
-  std::vector<Backend> found;
-  for (Backend backend : {Backend::kFused, Backend::kLibtorch})
-    if (available(backend)) found.push_back(backend);
-  return found;
-}
-
 TEST(Trainer, SameSeedSamePolicy) {
-  for (Backend backend : backends()) {
+  for (Backend backend : available_backends()) {
     const std::string policy = sha256_of_training(small(0), 1, backend);  // 0 is a seed like others
     EXPECT_EQ(sha256_of_training(small(0), 1, backend), policy);
     EXPECT_EQ(sha256_of_training(small(0), 2, backend), policy);
@@ -60,7 +54,7 @@ TEST(Trainer, GoesOnFromEveryStateToTheSameBits) {
     TrainConfig config = small();
     config.exploration.learned = learned;
     config.update.entropy_weight = learned ? 0.1 : 0;
-    for (Backend backend : backends()) {
+    for (Backend backend : available_backends()) {
       const std::string unbroken = sha256_of_training(config, 1, backend);
       for (std::uint32_t broken_at : {0, 1, 2, 3}) {
         Trainer first = trainer_of(config, 1, backend);
