@@ -21,9 +21,12 @@ int main(int argc, char** argv) {
   threelink_sim::Environment environment(policy.metadata().environment(), 1);
   const auto print = [](const threelink_tasks::EpisodeStep& step) {
     std::printf("%a %a %a", step.state.centroid.x(), step.state.centroid.y(), step.state.heading);
-    for (const double alpha : step.state.alpha) std::printf(" %a", alpha);
+    const auto print_each = [](const threelink_sim::HingeVector& values) {
+      for (Eigen::Index i = 0; i < values.size(); ++i) std::printf(" %a", values[i]);
+    };
+    print_each(step.state.alpha);
     std::printf(" %a %a", step.target.x(), step.target.y());
-    for (const double rate : step.rates) std::printf(" %a", rate);
+    print_each(step.rates);
     std::printf("\n");
   };
   threelink_tasks::run_episode(*task, environment, policy, std::strtoull(argv[2], nullptr, 10),

@@ -41,7 +41,7 @@ std::vector<double> run_batch(const Model& model, const Kernels& kernels) {
   for (std::size_t i = 0; i < kLanes; ++i) {
     const SwimmerState state = batch.state(i);
     all.insert(all.end(), {state.centroid.x(), state.centroid.y(), state.heading});
-    all.insert(all.end(), state.alpha.begin(), state.alpha.end());
+    all.insert(all.end(), state.alpha.data(), state.alpha.data() + state.alpha.size());
   }
   return all;
 }

@@ -25,7 +25,7 @@ Model model_of(int links, double gamma = 0.5) {
 
 HingeVector random_rates(Random& random, int hinges) {
   HingeVector rates(hinges);
-  for (double& rate : rates) rate = random.uniform(-1, 1);
+  for (int i = 0; i < hinges; ++i) rates[i] = random.uniform(-1, 1);
   return rates;
 }
 
@@ -35,7 +35,7 @@ SwimmerState random_state(Random& random, const Model& model) {
   state.centroid = {random.uniform(-1, 1), random.uniform(-1, 1)};
   state.heading = random.uniform(-kPi, kPi);
   state.alpha.resize(model.hinges());
-  for (double& angle : state.alpha) angle = random.uniform(-1, 1);
+  for (int i = 0; i < model.hinges(); ++i) state.alpha[i] = random.uniform(-1, 1);
   return state;
 }
 

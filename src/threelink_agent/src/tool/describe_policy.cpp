@@ -24,8 +24,8 @@ Fields fields_of(const Policy& policy) {
   for (const Linear& layer : policy.actor().layers())
     layers += fmt::format(" {}", layer.bias.size());
   std::string std;
-  for (float log_std : policy.log_std())
-    std += fmt::format("{}{:.4g}", std.empty() ? "" : " ", std::exp(log_std));
+  for (Eigen::Index i = 0; i < policy.log_std().size(); ++i)
+    std += fmt::format("{}{:.4g}", std.empty() ? "" : " ", std::exp(policy.log_std()[i]));
   return {{"sha256", policy.sha256()},
           {"observation", to_string(metadata.observation)},
           {"sampled", metadata.sampled ? "true" : "false"},

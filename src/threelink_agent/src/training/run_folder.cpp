@@ -5,6 +5,7 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "threelink_agent/safetensors.hpp"
 #include "threelink_sim/files.hpp"

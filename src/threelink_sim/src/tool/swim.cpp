@@ -76,7 +76,8 @@ void write_row(std::ostream& out, const Model& model, const SwimmerState& state,
                double work) {
   const Eigen::Vector2d x_1 = free_end(model, state);
   out << fmt::format("{:.17g},{:.17g},{:.17g}", t, x_1.x(), x_1.y());
-  for (double theta : link_angles(model, state)) out << fmt::format(",{:.17g}", theta);
+  const auto theta = link_angles(model, state);
+  for (Eigen::Index i = 0; i < theta.size(); ++i) out << fmt::format(",{:.17g}", theta[i]);
   out << fmt::format(",{:.17g},{:.17g},{:.17g}\n", state.centroid.x(), state.centroid.y(), work);
 }
 
