@@ -29,15 +29,21 @@ check_system() {
   local name
   name=$(sed -n 's/^PRETTY_NAME="\?\([^"]*\)"\?$/\1/p' /etc/os-release)
   case $(sed -n 's/^ID=//p; s/^VERSION_ID="\?\([^"]*\)"\?$/\1/p' /etc/os-release | sort | tr '\n' ' ') in
-    "12 debian ") ok system "$name" ;;
+    "12 debian ") ok system "$name, on which threelink is built and tested" ;;
     "20.04 ubuntu ")
-      if [[ -e $noetic/setup.bash ]]; then
-        ok system "$name with ROS Noetic"
+      if [[ $ros_prefix == */noetic ]]; then
+        note system "$name with ROS Noetic, prepared: compiled against focal's versions of the libraries, not run"
       else
         problem system "$name without ROS Noetic: install it as wiki.ros.org/noetic/Installation/Ubuntu says"
       fi
       ;;
-    *) note system "$name: only Debian 12 is tested, package names may differ" ;;
+    *)
+      if [[ -n $ros_prefix ]]; then
+        note system "$name with $ros_prefix, prepared: never built; threelink is built and tested on Debian 12"
+      else
+        note system "$name, never tried: threelink is built and tested on Debian 12, package names may differ"
+      fi
+      ;;
   esac
 
   local cores memory free
@@ -109,7 +115,7 @@ check_blas() {
   local torch blas
   torch=$(find /usr/lib -name libtorch_cpu.so 2>/dev/null | head -n 1)
   if [[ -z $torch ]]; then
-    problem LibTorch "not found -> ./threelink setup (not in Ubuntu 20.04: see pytorch.org, and CMAKE_PREFIX_PATH)"
+    note LibTorch "not found: only \`train --backend libtorch\` needs it"
     return
   fi
   blas=$(ldd "$torch" | awk '/libblas/ { print $3 }')
@@ -124,7 +130,7 @@ check_blas() {
 
 check_ros_environment() {
   local version
-  version=$(sed -n 's:.*<version>\(.*\)</version>.*:\1:p' {$noetic,/usr}/share/roscpp/package.xml 2>/dev/null || true)
+  version=$(sed -n 's:.*<version>\(.*\)</version>.*:\1:p' {"$ros_prefix",/usr}/share/roscpp/package.xml 2>/dev/null || true)
   if [[ -n $version ]]; then ok ROS "roscpp $version"; else problem ROS "not found -> ./threelink setup"; fi
   if [[ ${ROS_VERSION:-1} == 2 || -n ${AMENT_PREFIX_PATH:-} ]]; then
     problem ROS "ROS 2 (${ROS_DISTRO:-?}) is sourced in this shell: use one where it is not"

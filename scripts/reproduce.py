@@ -50,7 +50,7 @@ def parse(arguments):
 
 def revision():
     found = subprocess.run(["git", "-C", ROOT, "describe", "--always", "--dirty"],
-                           stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, universal_newlines=True)
+                           stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, encoding="utf-8")
     return found.stdout.strip() or "unknown"
 
 
@@ -71,7 +71,7 @@ def reproduce(options):
         write_atomically(os.path.join(options.out, plan.DESCRIPTION), describe(stages, scale))
         print(f"{scale.mode} reproduction in {options.out}: {len(stages)} stages", file=sys.stderr)
         runner.run()
-    with open(os.path.join(options.out, "table.json")) as file:
+    with open(os.path.join(options.out, "table.json"), encoding="utf-8") as file:
         made = json.load(file)
     print(table.as_text(made))
     verdicts = [row["verdict"] for group in made["groups"] for row in group["rows"]]

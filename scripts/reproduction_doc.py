@@ -59,13 +59,13 @@ def replace(text, name, content):
 def main(folder):
     results = Results(folder)
     os.makedirs(PICTURES, exist_ok=True)
-    with open(PAGE) as file:
+    with open(PAGE, encoding="utf-8") as file:
         text = file.read()
     for name, content in (("run", run(results)),
                           ("table", markdown_table(results.json("table.json"))),
                           ("figures", figures(results))):
         text = replace(text, name, content)
-    with open(PAGE, "w") as file:
+    with open(PAGE, "w", encoding="utf-8") as file:
         file.write(text)
 
 

@@ -1,15 +1,26 @@
 # What threelink needs from the machine, and installing what is missing. Sourced by ../threelink.
 
-noetic=/opt/ros/noetic
 package_state=/var/lib/dpkg/status
 
-if [[ -e $noetic/setup.bash ]]; then # Ubuntu 20.04; its ros-base holds more than Debian's
+# ROS of packages.ros.org (Ubuntu 20.04, Noetic) or of ROS One; empty where the system brings ROS 1.
+ros_prefix=
+for ros_distro in noetic one; do
+  if [[ -e /opt/ros/$ros_distro/setup.bash ]]; then
+    ros_prefix=/opt/ros/$ros_distro
+    break
+  fi
+done
+
+if [[ -n $ros_prefix ]]; then # its ros-base holds more than Debian's
   ros_packages=(
-    ros-noetic-{ros-base,rostest,tf2-ros,diagnostic-updater,robot-state-publisher}
-    ros-noetic-{nav,sensor,visualization}-msgs
-    ros-noetic-{actionlib,interactive-markers,pluginlib}  # tasks
+    "ros-$ros_distro-"{ros-base,rostest,tf2-ros,diagnostic-updater,robot-state-publisher}
+    "ros-$ros_distro-"{nav,sensor,tf2,visualization}-msgs
+    "ros-$ros_distro-"{actionlib,interactive-markers,pluginlib}  # tasks
+    liburdfdom-tools                                      # tests
   )
-  rviz_packages=(ros-noetic-rviz libgl1-mesa-dri)
+  # Ubuntu 20.04 has no CLI11: the build gets it.
+  if [[ $ros_distro != noetic ]]; then ros_packages+=(libcli11-dev); fi
+  rviz_packages=("ros-$ros_distro-rviz" libgl1-mesa-dri)
 else # Debian 12 brings ROS 1 itself
   ros_packages=(
     catkin ros-base rosbash                               # catkin_make, roscpp, rospy, rosrun
@@ -23,7 +34,8 @@ else # Debian 12 brings ROS 1 itself
     libactionlib-dev ros-actionlib-msgs libactionlib-msgs-dev # tasks: the action,
     python3-actionlib python3-actionlib-msgs
     pluginlib-dev libinteractive-markers-dev              # plug-ins, and what is dragged in rviz
-    libtorch-dev                                          # the trainer
+    libtorch-dev                                          # train --backend libtorch
+    libcli11-dev                                          # options of the tools
     python3-tf2-ros liburdfdom-tools                      # tests
   )
   rviz_packages=(rviz libgl1-mesa-dri)
@@ -32,7 +44,7 @@ packages=(
   g++ make cmake git                                      # git: bags name the revision
   "${ros_packages[@]}"
   libopenblas0-pthread                                    # without it LibTorch is six times slower
-  libeigen3-dev libcli11-dev libfmt-dev libssl-dev libyaml-cpp-dev nlohmann-json3-dev
+  libeigen3-dev libfmt-dev libssl-dev libyaml-cpp-dev nlohmann-json3-dev
   pkg-config libnlopt-dev libnlopt-cxx-dev                # optimal strokes
   libgtest-dev                                            # tests
   python3-numpy python3-matplotlib ffmpeg                 # pictures, movies

@@ -26,11 +26,11 @@ def change(text, key, value):
 
 
 def main(base, out, *changes):
-    with open(base) as file:
+    with open(base, encoding="utf-8") as file:
         text = file.read()
     for key, _, value in (word.partition("=") for word in changes):
         text = change(text, key, value)
-    with open(out, "w") as file:
+    with open(out, "w", encoding="utf-8") as file:
         file.write(text)
 
 

@@ -17,7 +17,7 @@ def main(name, out):
     drawing = figure.draw(results)
     drawing.savefig(out + ".pdf")
     save(drawing, out + ".png")
-    with open(out + ".json", "w") as file:
+    with open(out + ".json", "w", encoding="utf-8") as file:
         json.dump({"title": figure.TITLE, "caption": figure.caption(results)}, file, indent=1)
 
 

@@ -148,7 +148,8 @@ def build(results):
              "commands": commands(results)}
     sections = "\n".join(element("section", element("h2", title) + parts[name], id=name)
                          for name, title in SECTIONS)
-    with open(os.path.join(os.path.dirname(__file__), "page.css")) as file:
+    with open(os.path.join(os.path.dirname(__file__), "page.css"),
+              encoding="utf-8") as file:
         style = file.read()
     return ("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
             f"<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n"

@@ -34,7 +34,7 @@ class Results:
         return os.path.join(self.folder, name)
 
     def json(self, name):
-        with open(self.path(name)) as file:
+        with open(self.path(name), encoding="utf-8") as file:
             return json.load(file)
 
     def seeds(self, kind, name, ending):

@@ -26,7 +26,7 @@ class Interrupted(Exception):
 def sole_user(folder):
     """Holds the run's folder; a second run on it is refused."""
     os.makedirs(os.path.join(folder, UNFINISHED), exist_ok=True)
-    with open(os.path.join(folder, UNFINISHED, "lock"), "w") as file:
+    with open(os.path.join(folder, UNFINISHED, "lock"), "w", encoding="utf-8") as file:
         try:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
@@ -168,7 +168,7 @@ class Runner:
         stage, seconds, status = running.stage, running.seconds(), running.process.returncode
         if status:
             log = self.ledger.log(stage)
-            with open(log, errors="replace") as file:
+            with open(log, errors="replace", encoding="utf-8") as file:
                 tail = "".join("    " + line for line in file.readlines()[-TAIL:])
             end = f"status {status}" if status > 0 else signal.Signals(-status).name
             raise StageError(f"stage {stage.name} ({stage.title}) failed with {end}\n"

@@ -56,7 +56,7 @@ def sha256(path):
 
 
 def write_atomically(path, text):
-    with replacing(path) as part, open(part, "w") as file:
+    with replacing(path) as part, open(part, "w", encoding="utf-8") as file:
         file.write(text)
         file.flush()
         os.fsync(file.fileno())
@@ -78,7 +78,8 @@ def fingerprint(program):
     """Hash of a program and of this product's libraries that it loads."""
     parts = [program]
     if open(program, "rb").read(4) == b"\x7fELF":
-        listing = subprocess.run(["ldd", program], stdout=subprocess.PIPE, universal_newlines=True)
+        listing = subprocess.run(["ldd", program], stdout=subprocess.PIPE,
+                                 encoding="utf-8", errors="surrogateescape")
         parts += sorted(re.findall(r"=> (\S*/libthreelink_\S+)", listing.stdout))
     return hashlib.sha256("".join(sha256(part) for part in parts).encode()).hexdigest()
 
@@ -126,7 +127,8 @@ class Ledger:
     def record(self, stage):
         """What was written when the stage ended last, or {}."""
         try:
-            with open(self.path(os.path.join(FINISHED, stage.name + ".json"))) as file:
+            with open(self.path(os.path.join(FINISHED, stage.name + ".json")),
+                      encoding="utf-8") as file:
                 return json.load(file)
         except (OSError, ValueError):
             return {}
@@ -164,7 +166,8 @@ class Ledger:
         """An empty folder to work in, or what the same stage left there, if it can use that."""
         work, key = self.work(stage), self.key(stage)
         marker = work + ".key"
-        if not (stage.resumable and os.path.exists(marker) and open(marker).read() == key):
+        if not (stage.resumable and os.path.exists(marker) and
+                open(marker, encoding="utf-8").read() == key):
             shutil.rmtree(work, ignore_errors=True)
         os.makedirs(work, exist_ok=True)
         write_atomically(marker, key)
@@ -183,7 +186,7 @@ class Ledger:
             os.makedirs(os.path.dirname(self.path(name)) or ".", exist_ok=True)
             os.replace(source, self.path(name))
         os.makedirs(self.path(FINISHED), exist_ok=True)
-        with open(work + ".key") as file:
+        with open(work + ".key", encoding="utf-8") as file:
             key = file.read()  # of the inputs as they were at the start
         record = {"key": key, "command": stage.shown(), "seconds": round(seconds, 2),
                   "outputs": {name: self.hash(name) for name in stage.outputs}}

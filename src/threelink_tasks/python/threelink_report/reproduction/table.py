@@ -16,7 +16,8 @@ MET, MISSED, NONE = "met", "missed", "-"
 
 def published():
     """What the paper states, and references from elsewhere."""
-    with open(os.path.join(os.path.dirname(__file__), "published.json")) as file:
+    with open(os.path.join(os.path.dirname(__file__), "published.json"),
+              encoding="utf-8") as file:
         return json.load(file)
 
 
@@ -206,7 +207,7 @@ def as_text(table):
 
 
 def main(out):
-    with open(out, "w") as file:
+    with open(out, "w", encoding="utf-8") as file:
         json.dump(build(Results()), file, indent=1)
 
 
