@@ -16,6 +16,9 @@ sys.path.insert(0, os.path.join(FOLDER, "..", "node"))
 import skips  # noqa: F401, E402, rosunit's results
 
 COMMA = 'LC_NUMERIC\ndecimal_point ","\nthousands_sep "."\ngrouping 3;3\nEND LC_NUMERIC\n'
+ASCII = ("<code_set_name> ASCII\n<comment_char> %\n<escape_char> /\nCHARMAP\n" +
+         "".join("<U%04X> /x%02x character\n" % (code, code) for code in range(128)) +
+         "END CHARMAP\n")
 
 
 def run(command, **environment):
@@ -30,10 +33,13 @@ class LocaleTest(unittest.TestCase):
         """The locale is made here, since hardly a machine has it."""
         cls.folder = tempfile.TemporaryDirectory(prefix="threelink_")
         cls.addClassCleanup(cls.folder.cleanup)
-        source = os.path.join(cls.folder.name, "source")
-        with open(source, "w") as file:
-            file.write(COMMA)
-        made = run(["localedef", "-c", "-i", source, os.path.join(cls.folder.name, "comma")])
+        paths = {}
+        for name, text in (("comma.source", COMMA), ("ascii.charmap", ASCII)):
+            paths[name] = os.path.join(cls.folder.name, name)
+            with open(paths[name], "w") as file:
+                file.write(text)
+        made = run(["localedef", "-c", "-i", paths["comma.source"], "-f", paths["ascii.charmap"],
+                    os.path.join(cls.folder.name, "comma")])
         cls.comma = {"LOCPATH": cls.folder.name, "LC_ALL": "comma", "LANGUAGE": ""}
         if run(["awk", 'BEGIN { printf "%.1f", 1.5 }'], **cls.comma).stdout != "1,5":
             raise unittest.SkipTest("a locale with decimal commas cannot be made here: " +
