@@ -121,7 +121,7 @@ TEST(Kernels, SineAndCosineAreAccurate) {
   for (Isa isa : available_isas()) {
     double worst = 0;
     for (int i = -100000; i <= 100000; ++i) {
-      const double angle = i * 1e-3 * (1 + i * i * 1e-8);
+      const double angle = i * 1e-3 * (1 + 1e-8 * i * i);
       double sine, cosine;
       kernels(isa).sincos(1, &angle, &sine, &cosine);
       worst =

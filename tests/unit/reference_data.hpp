@@ -11,11 +11,12 @@
 
 namespace threelink_tests {
 
-inline nlohmann::json reference(const std::string& name) {
+// One part of a file, by value: a loop over a part of a temporary whole would outlive it.
+inline nlohmann::json reference(const std::string& name, const std::string& part) {
   const std::string path = std::string(THREELINK_TEST_DATA) + "/reference/" + name + ".json";
   std::ifstream file(path);
   if (!file) throw std::runtime_error(path + " cannot be read");
-  return nlohmann::json::parse(file);
+  return nlohmann::json::parse(file).at(part);
 }
 
 // A number that is stored as a number or, for its last digits, as a string.

@@ -17,7 +17,9 @@ using namespace threelink_sim;
 
 TEST(Stroke, SquareStrokesOfThePaper) {
   const Model model;
-  for (const auto& wanted : reference("strokes")["strokes"]) {
+  const auto strokes = reference("strokes", "strokes");
+  ASSERT_EQ(strokes.size(), 3u);
+  for (const auto& wanted : strokes) {
     if (wanted["order"] != "CW") continue;
     for (int pieces : {4, 240}) {
       const Stroke stroke = square_stroke(model, value(wanted["lo"]), value(wanted["hi"]), pieces);

@@ -64,7 +64,7 @@ constexpr double kVelocityTolerance = 1e-13;
 
 TEST(SwimmerReference, VelocitiesOfThreeLinks) {
   const Model model;
-  const auto samples = reference("velocities")["samples"];
+  const auto samples = reference("velocities", "samples");
   ASSERT_EQ(samples.size(), 110u);
   for (const auto& s : samples) {
     HingeVector alpha(2), rates(2);
@@ -86,7 +86,7 @@ TEST(SwimmerReference, VelocitiesOfThreeLinks) {
 }
 
 TEST(SwimmerReference, VelocitiesOfManyLinks) {
-  const auto samples = reference("n_link")["random_samples"];
+  const auto samples = reference("n_link", "random_samples");
   ASSERT_EQ(samples.size(), 24u);
   for (const auto& s : samples) {
     Model model;
@@ -107,7 +107,9 @@ constexpr int kRungeKuttaSteps = 2000;
 constexpr double kPathTolerance = 1e-10;
 
 TEST(SwimmerReference, TravellingWavesOfManyLinks) {
-  for (const auto& gait : reference("n_link")["gaits"]) {
+  const auto gaits = reference("n_link", "gaits");
+  ASSERT_EQ(gaits.size(), 6u);
+  for (const auto& gait : gaits) {
     Model model;
     model.links = gait["N"];
     const double amplitude = gait["A"], phase = value(gait["phi"]), offset = gait["offset"];
@@ -135,7 +137,9 @@ TEST(SwimmerReference, TravellingWavesOfManyLinks) {
 
 TEST(SwimmerReference, FourierAngles) {
   const Model model;
-  for (const auto& trajectory : reference("fourier_trajectories")["trajectories"]) {
+  const auto trajectories = reference("fourier_trajectories", "trajectories");
+  ASSERT_EQ(trajectories.size(), 10u);
+  for (const auto& trajectory : trajectories) {
     const double omega = trajectory["omega"], duration = trajectory["T"];
     const auto angles = [&](double t, HingeVector& alpha, HingeVector& rates) {
       alpha.resize(2);
@@ -168,7 +172,7 @@ TEST(SwimmerReference, FourierAngles) {
 TEST(SwimmerReference, PiecewiseConstantRates) {
   // 60 steps with an error near 1e-13 each (see substeps()).
   constexpr double kTolerance = 1e-11;
-  const auto runs = reference("zero_order_hold")["runs"];
+  const auto runs = reference("zero_order_hold", "runs");
   ASSERT_EQ(runs.size(), 8u);
   for (const auto& run : runs) {
     Model model;
@@ -195,7 +199,7 @@ TEST(SwimmerReference, PiecewiseConstantRates) {
 TEST(SwimmerReference, SquareStrokes) {
   const Model model;
   constexpr int kStepsALeg = 30;
-  const auto strokes = reference("strokes")["strokes"];
+  const auto strokes = reference("strokes", "strokes");
   ASSERT_EQ(strokes.size(), 3u);
   for (const auto& stroke : strokes) {
     const double low = value(stroke["lo"]), high = value(stroke["hi"]);
@@ -219,10 +223,12 @@ TEST(SwimmerReference, SquareStrokes) {
 
 // The reduced system against the paper's own 9x9 one, for several gamma.
 TEST(SwimmerReference, NineByNineSystem) {
+  const auto samples = reference("velocities", "samples");
+  ASSERT_EQ(samples.size(), 110u);
   for (double gamma : {0.3, 0.5, 0.8, 1.5}) {
     Model model;
     model.gamma = gamma;
-    for (const auto& s : reference("velocities")["samples"]) {
+    for (const auto& s : samples) {
       HingeVector alpha(2), rates(2);
       alpha << s["alpha1"].get<double>(), s["alpha2"].get<double>();
       rates << s["alpha1dot"].get<double>(), s["alpha2dot"].get<double>();

@@ -101,7 +101,7 @@ inline R exp(R x) {
   p = fma(r, p, all<R>(1.6666665459e-1f));
   p = fma(r, p, all<R>(5.0000001201e-1f));
   const R e_r = fma(r * r, p, r) + all<R>(1.0f);
-  return e_r * from_bits<R>((bits(rounded) << 23) + bits(all<R>(1.0f)));
+  return e_r * from_bits<R>(shift_left(bits(rounded), 23) + bits(all<R>(1.0f)));
 }
 
 }  // namespace THREELINK_ISA

@@ -209,6 +209,17 @@ inline R from_bits(Int<R> value) {
   return result;
 }
 
+// The bits of a whole number moved to the left. C++17 leaves `<<` undefined where a sign bit is
+// lost, for a number; for a pack, the compiler defines it.
+inline long long shift_left(long long value, int by) {
+  return (long long)((unsigned long long)value << by);
+}
+inline int shift_left(int value, int by) { return (int)((unsigned)value << by); }
+template <class Pack>
+inline Pack shift_left(Pack value, int by) {
+  return value << by;
+}
+
 // Sine and cosine of a double lane: error < 2.3e-16 for |x| < 1e5.
 //
 // Cody and Waite: x = k pi/2 + r, |r| <= pi/4, with pi/2 in two parts of which the first is short
@@ -236,8 +247,8 @@ inline void sincos(R x, R& sine, R& cosine) {
   q = fma(z, q, all<R>(4.16666666666666019037e-02));
   const R c = fma(z * z, q, fma(z, all<R>(-0.5), all<R>(1.0)));
   const auto odd = (quadrant & 1) != 0;
-  const Int<R> sign_of_sine = (quadrant & 2) << 62;
-  const Int<R> sign_of_cosine = ((quadrant + 1) & 2) << 62;
+  const Int<R> sign_of_sine = shift_left(quadrant & 2, 62);
+  const Int<R> sign_of_cosine = shift_left((quadrant + 1) & 2, 62);
   sine = from_bits<R>(bits(select(odd, c, s)) ^ sign_of_sine);
   cosine = from_bits<R>(bits(select(odd, s, c)) ^ sign_of_cosine);
 }
@@ -263,7 +274,7 @@ inline R log(R x) {
   // Shifting by the offset of sqrt(1/2) puts 1 + f between sqrt(1/2) and sqrt(2).
   const Int<R> shifted = bits(x) - 0x3fe6a09e667f3bcdLL;
   const Int<R> exponent = shifted >> 52;
-  const R m = from_bits<R>(bits(x) - (exponent << 52));
+  const R m = from_bits<R>(bits(x) - shift_left(exponent, 52));
   // |exponent| < 2^11: adding it to the bits of 2^52 + 2^51 makes it a double without a conversion.
   const R k = from_bits<R>(bits(all<R>(0x1.8p52)) + exponent) - all<R>(0x1.8p52);
   const R f = m - all<R>(1.0);
@@ -296,7 +307,7 @@ inline R exp(R x) {
   p = fma(z, p, all<R>(1.66666666666666019037e-01));
   const R c = fma(-z, p, r);
   const R mantissa = all<R>(1.0) + (r + r * c / (all<R>(2.0) - c));
-  return from_bits<R>(bits(mantissa) + ((bits(rounded) - bits(magic)) << 52));
+  return from_bits<R>(bits(mantissa) + shift_left(bits(rounded) - bits(magic), 52));
 }
 
 }  // namespace THREELINK_ISA
