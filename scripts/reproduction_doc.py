@@ -4,7 +4,6 @@
 DIR is the folder of a finished `./threelink reproduce`. What stands between the marks
 <!-- NAME --> and <!-- end --> is replaced, the pictures are copied to docs/pictures/reproduction.
 """
-import json
 import os
 import re
 import shutil

@@ -12,7 +12,6 @@ import unittest
 
 import actionlib
 import roslib.packages
-import rospkg
 import rospy
 import rostest
 import yaml

@@ -10,7 +10,6 @@ namespace threelink_agent {
 namespace {
 
 using threelink_sim::Environment;
-using threelink_sim::EnvironmentConfig;
 using threelink_sim::SwimmerState;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();

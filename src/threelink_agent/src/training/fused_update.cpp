@@ -145,9 +145,9 @@ void FusedUpdate::differentiate_actor(const Samples& samples, const Share& share
             static_cast<float>(config_.update.entropy_weight) * share.weight * n;
     if (share.last_epoch)
       for (int i = 0; i < n; ++i) {
-        const double ratio = std::exp(static_cast<double>(log_ratio[i]));
-        sums.kl += ratio - 1 - log_ratio[i];
-        sums.outside += std::abs(ratio - 1) > config_.update.clip;
+        const double change = std::expm1(static_cast<double>(log_ratio[i]));  // of the probability
+        sums.kl += change - log_ratio[i];
+        sums.outside += std::abs(change) > config_.update.clip;
       }
     slice.backward(n);
   }

@@ -26,11 +26,11 @@ torch::Tensor value_loss(const torch::Tensor& values, const torch::Tensor& retur
 }
 
 torch::Tensor kl_estimate(const torch::Tensor& log_ratio) {
-  return (log_ratio.exp() - 1 - log_ratio).mean();
+  return (log_ratio.expm1() - log_ratio).mean();
 }
 
 torch::Tensor clip_fraction(const torch::Tensor& log_ratio, double epsilon) {
-  return ((log_ratio.exp() - 1).abs() > epsilon).to(torch::kFloat).mean();
+  return (log_ratio.expm1().abs() > epsilon).to(torch::kFloat).mean();
 }
 
 }  // namespace threelink_agent

@@ -30,7 +30,7 @@ EpisodeMeasures measure(std::uint64_t step, double dt, const Eigen::Vector2d& fi
                         const Eigen::Vector2d& centroid, const Eigen::Vector2d& target);
 
 struct EpisodeResult {
-  Outcome outcome;
+  Outcome outcome = Outcome::kRunning;
   EpisodeMeasures measures;
 };
 

@@ -10,7 +10,6 @@ namespace {
 using threelink_agent::ActionKey;
 using threelink_agent::Policy;
 using threelink_sim::Environment;
-using threelink_sim::EnvironmentConfig;
 
 double path_length(const Task& task, Eigen::Vector2d from) {
   double length = 0;

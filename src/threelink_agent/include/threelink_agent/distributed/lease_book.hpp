@@ -62,7 +62,7 @@ class LeaseBook {
   struct Entry {
     Lease lease;
     Time deadline;
-    bool running;
+    bool running = false;
   };
 
   template <class Which>

@@ -20,9 +20,9 @@ class ConfigError : public std::runtime_error {
 };
 
 struct TrainConfig {
-  std::uint64_t seed = 0;        // of every random number; any value, 0 too; below 2^63
-  std::uint32_t episodes = 0;    // N_E, in [1, 1e8]
-  std::uint32_t evaluate_every;  // [updates] between deterministic evaluations, at least 1
+  std::uint64_t seed = 0;            // of every random number; any value, 0 too; below 2^63
+  std::uint32_t episodes = 0;        // N_E, in [1, 1e8]
+  std::uint32_t evaluate_every = 0;  // [updates] between deterministic evaluations, at least 1
 
   // Links, drag ratio, dt, b, c and N_s. Its observation is what the critic is shown: "target" with
   // homing, else "direction".
