@@ -21,7 +21,12 @@ inline nlohmann::json reference(const std::string& name, const std::string& part
 
 // A number that is stored as a number or, for its last digits, as a string.
 inline double value(const nlohmann::json& json) {
-  return json.is_string() ? std::stod(json.get<std::string>()) : json.get<double>();
+  if (!json.is_string()) return json.get<double>();
+  const std::string text = json.get<std::string>();
+  std::size_t used = 0;
+  const double number = std::stod(text, &used);
+  if (used != text.size()) throw std::runtime_error(text + " is no number");
+  return number;
 }
 
 inline Eigen::Vector2d point(const nlohmann::json& x, const nlohmann::json& y) {

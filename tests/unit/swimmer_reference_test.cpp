@@ -1,5 +1,6 @@
 // The physics against figures computed elsewhere in high precision (tests/data/reference).
 #include <cmath>
+#include <string>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -112,7 +113,8 @@ TEST(SwimmerReference, TravellingWavesOfManyLinks) {
   for (const auto& gait : gaits) {
     Model model;
     model.links = gait["N"];
-    const double amplitude = gait["A"], phase = value(gait["phi"]), offset = gait["offset"];
+    ASSERT_EQ(gait["phi"], "2*pi/" + std::to_string(model.links));
+    const double amplitude = gait["A"], phase = 2 * kPi / model.links, offset = gait["offset"];
     const auto angles = [&](double t, HingeVector& alpha, HingeVector& rates) {
       alpha.resize(model.hinges());
       rates.resize(model.hinges());
