@@ -9,6 +9,7 @@ import re
 import shutil
 import sys
 
+from threelink_report.files import replacing
 from threelink_report.reproduction import table
 from threelink_report.reproduction.figures import FIGURES
 from threelink_report.reproduction.results import Results
@@ -64,7 +65,7 @@ def main(folder):
                           ("table", markdown_table(results.json("table.json"))),
                           ("figures", figures(results))):
         text = replace(text, name, content)
-    with open(PAGE, "w", encoding="utf-8") as file:
+    with replacing(PAGE) as part, open(part, "w", encoding="utf-8") as file:
         file.write(text)
 
 

@@ -95,11 +95,29 @@ class MakeUrdfTest(unittest.TestCase):
             os.remove(path)
 
     def test_bad_arguments(self):
-        for arguments, text in ((["--links", "1"], "links = 1"), (["--length-scale", "0"], "scale"),
-                                (["--links", "x"], "links"), (["--size", "1"], "size")):
+        for arguments, text in (
+                (["--links", "1"], '--links: "1" must be a whole number in [2, 32]'),
+                (["--links", "x"], '--links: "x" must be a whole number in [2, 32]'),
+                (["--links", "9" * 30], "must be a whole number in [2, 32]"),
+                (["--length-scale", "0"], '--length-scale: "0" must be a number in [1e-09, 1000000]'),
+                (["--time-scale", "nan"], '--time-scale: "nan" must be a number in [0.001, 1000]'),
+                (["--joint-limit", "1e999"], '--joint-limit: "1e999" must be a finite number'),
+                (["--joint-limit", "4"], "joint_limit = 4: must be in (0, pi]"),
+                (["--size", "1"], "size")):
             result = make_urdf(*arguments)
             self.assertEqual(result.returncode, 2, arguments)
             self.assertIn(text, result.stderr)
+            self.assertEqual(result.stdout, "")
+
+    def test_output_that_nobody_takes(self):
+        program = subprocess.check_output(["catkin_find", "--first-only", "--libexec", "threelink_sim",
+                                           "make_urdf"], universal_newlines=True).strip()
+        with open("/dev/full", "w") as full:
+            result = subprocess.run([program], stdout=full, stderr=subprocess.PIPE,
+                                    universal_newlines=True)
+        self.assertEqual(result.returncode, 1)
+        self.assertEqual(result.stderr, "make_urdf: standard output cannot be written: "
+                                        "No space left on device\n")
 
 
 if __name__ == "__main__":

@@ -129,6 +129,12 @@ class OptimalStrokeToolTest(unittest.TestCase):
                 ("links = 2", ["--objective", "speed", "--links", "2"]),
                 ("gamma = -1", ["--objective", "speed", "--gamma", "-1"]),
                 ("c = 99", ["--objective", "energy_aware", "--c", "99"]),
+                ('--seed: "9223372036854775808" must be a whole number in [0, 9223372036854775807]',
+                 ["--objective", "speed", "--seed", "9223372036854775808"]),
+                ('--starts: "0.5" must be a whole number in [1, 1000]',
+                 ["--objective", "speed", "--starts", "0.5"]),
+                ('--dt: "1e-9" must be a number in [0.001, 1]',
+                 ["--objective", "speed", "--dt", "1e-9"]),
                 ("energy_aware only", ["--objective", "speed", "--c", "3"]),
                 ("--pieces", ["--objective", "speed", "--pieces", "80", "--dt", "0.1"]),
                 ("pieces = 5", ["--square=-1,1", "--pieces", "5"]),
@@ -143,6 +149,10 @@ class OptimalStrokeToolTest(unittest.TestCase):
                      "/no/such/folder/x")
         self.assertEqual(result.returncode, 2)
         self.assertIn("/no/such/folder/x.csv: cannot be written", result.stderr)
+
+    def test_a_refusal_leaves_no_file(self):
+        self.assertEqual(self.tool("--square=1,-1").returncode, 2)
+        self.assertEqual(os.listdir(os.path.dirname(self.out)), [])
 
 
 if __name__ == "__main__":

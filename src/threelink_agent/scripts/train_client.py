@@ -8,6 +8,7 @@ The exit status is 0 if the training has finished, 1 otherwise, and 2
 for wrong arguments.
 """
 import argparse
+import contextlib
 import os
 import sys
 
@@ -20,7 +21,10 @@ from threelink_msgs.msg import TrainAction, TrainGoal
 
 def integer(low, high):
     def convert(text):
-        value = int(text)
+        try:
+            value = int(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text} is no whole number") from None
         if not low <= value <= high:
             raise argparse.ArgumentTypeError(f"{text} is not within {low} .. {high}")
         return value
@@ -43,9 +47,11 @@ def parse(arguments):
 
 
 def show(feedback):
+    """A line of progress; that nobody takes it is told at the end."""
     status = feedback.status
-    print(f"update {status.update}/{status.updates}  return {status.mean_return:.3f}  "
-          f"{status.time_left:.0f} s left", flush=True)
+    with contextlib.suppress(OSError):
+        print(f"update {status.update}/{status.updates}  return {status.mean_return:.3f}  "
+              f"{status.time_left:.0f} s left", flush=True)
 
 
 def main():
@@ -70,4 +76,12 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        ended = main()
+        sys.stdout.flush()
+    except OSError as failure:
+        print(f"train_client: standard output cannot be written: {failure.strerror}",
+              file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush at exit
+        ended = 1
+    sys.exit(ended)

@@ -1,7 +1,6 @@
 // Throughput of playing and learning, of this machine.
 #include <algorithm>
 #include <chrono>
-#include <iostream>
 #include <optional>
 #include <vector>
 
@@ -14,7 +13,9 @@
 #include "threelink_agent/training/backend.hpp"
 #include "threelink_agent/training/rollout.hpp"
 #include "threelink_agent/training/trainer.hpp"
+#include "threelink_sim/command_line.hpp"
 #include "threelink_sim/isa.hpp"
+#include "threelink_sim/output.hpp"
 #if defined(THREELINK_LIBTORCH)
 #include "threelink_agent/training/blas.hpp"
 #endif
@@ -157,30 +158,24 @@ void print(const nlohmann::ordered_json& figures) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool as_json = false;
-  double seconds = 2.0;
-  CLI::App app(fmt::format(
-      "Throughput of playing and learning: networks 4-{0}-{0}, {1} episodes of {2} steps for each\n"
-      "update, {3} epochs, minibatches of {4}; environment steps per second.",
-      kWidth, kEpisodes, kSteps, kEpochs, kMinibatch));
-  app.add_flag("--json", as_json, "print one JSON object");
-  app.add_option("--seconds", seconds, "time for each figure [s]")
-      ->check(CLI::Range(0.1, 600.0))
-      ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
+  return threelink_sim::run_tool("bench", [=] {
+    bool as_json = false;
+    double seconds = 2.0;
+    CLI::App app(fmt::format(
+        "Throughput of playing and learning: networks 4-{0}-{0}, {1} episodes of {2} steps for "
+        "each\n"
+        "update, {3} epochs, minibatches of {4}; environment steps per second.",
+        kWidth, kEpisodes, kSteps, kEpochs, kMinibatch));
+    app.add_flag("--json", as_json, "print one JSON object");
+    app.add_option("--seconds", seconds, "time for each figure [s]")
+        ->check(threelink_sim::real_number(0.1, 600.0))
+        ->capture_default_str();
+    if (!threelink_sim::parse_command_line(app, argc, argv)) return 0;
     const nlohmann::ordered_json figures = measure(seconds);
     if (as_json)
-      std::cout << figures << "\n";
+      fmt::print("{}\n", figures.dump());
     else
       print(figures);
-  } catch (const std::exception& error) {
-    std::cerr << "bench: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+    return 0;
+  });
 }

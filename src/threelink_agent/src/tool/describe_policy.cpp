@@ -1,6 +1,5 @@
 // rosrun threelink_agent describe_policy: what a policy file says of itself.
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,12 +8,12 @@
 #include <fmt/format.h>
 
 #include "threelink_agent/policy.hpp"
+#include "threelink_sim/command_line.hpp"
+#include "threelink_sim/output.hpp"
 
 namespace {
 
 using namespace threelink_agent;
-
-constexpr int kMisuse = 2;
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
@@ -37,42 +36,40 @@ Fields fields_of(const Policy& policy) {
           {"layers", layers}};
 }
 
+void describe(const std::string& path, const std::string& only, bool config) {
+  const Policy policy = Policy::load(path);
+  if (config) {
+    fmt::print("{}", policy.metadata().config);
+    return;
+  }
+  bool found = only.empty();
+  for (const auto& [name, value] : fields_of(policy)) {
+    if (only.empty()) fmt::print("{}: {}\n", name, value);
+    // Without an end of line: roslaunch takes every byte for the value of a parameter.
+    if (only == name) fmt::print("{}", value);
+    found = found || only == name;
+  }
+  if (!found)
+    throw threelink_sim::UsageError(fmt::format("--field {}: there is no such field", only));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::string path, field;
-  bool config = false;
-  CLI::App app(
-      "Checks a policy file and prints what it says of itself: hash of the numbers, observation,\n"
-      "whether its actions are to be sampled (else their mean is played) and with what standard\n"
-      "deviation [1/T0], the swimmer that it is for, widths of the network.\n");
-  app.add_option("file", path, "policy file (.safetensors)")->required();
-  auto* only = app.add_option("--field", field, "print only the value of this field");
-  app.add_flag("--config", config, "print the configuration with which it was trained")
-      ->excludes(only);
-  app.footer("Exit status: 0 it is a policy; 2 it is none, or wrong arguments.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kMisuse;
-  }
-  try {
-    const Policy policy = Policy::load(path);
-    if (config) {
-      fmt::print("{}", policy.metadata().config);
-      return 0;
-    }
-    bool found = false;
-    for (const auto& [name, value] : fields_of(policy)) {
-      if (field.empty()) fmt::print("{}: {}\n", name, value);
-      // Without an end of line: roslaunch takes every byte for the value of a parameter.
-      if (field == name) fmt::print("{}", value);
-      found = found || field.empty() || field == name;
-    }
-    if (found) return 0;
-    fmt::print(stderr, "describe_policy: --field {}: there is no such field\n", field);
-  } catch (const PolicyError& error) {
-    fmt::print(stderr, "describe_policy: {}\n", error.what());
-  }
-  return kMisuse;
+  return threelink_sim::run_tool("describe_policy", [=] {
+    std::string path, field;
+    bool config = false;
+    CLI::App app(
+        "Checks a policy file and prints what it says of itself: hash of the numbers, "
+        "observation,\n"
+        "whether its actions are to be sampled (else their mean is played) and with what standard\n"
+        "deviation [1/T0], the swimmer that it is for, widths of the network.\n");
+    app.add_option("file", path, "policy file (.safetensors)")->required();
+    auto* only = app.add_option("--field", field, "print only the value of this field");
+    app.add_flag("--config", config, "print the configuration with which it was trained")
+        ->excludes(only);
+    app.footer("Exit status: 0 it is a policy; 1 failed; 2 it is none, or wrong arguments.");
+    if (threelink_sim::parse_command_line(app, argc, argv)) describe(path, field, config);
+    return 0;
+  });
 }

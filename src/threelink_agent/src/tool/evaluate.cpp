@@ -3,10 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <fstream>
-#include <limits>
-#include <stdexcept>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,11 +11,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "threelink_sim/command_line.hpp"
+#include "threelink_sim/output.hpp"
+
 namespace {
 
 using namespace threelink_agent;
-
-constexpr int kFailure = 1, kMisuse = 2;
 
 double degrees(double radians) { return radians * 180 / threelink_sim::kPi; }
 
@@ -60,68 +58,77 @@ void print_table(const Policy& policy, const Evaluation& evaluation) {
                or_dash(degrees(evaluation.theta_s), 3, "deg"));
 }
 
-void write_tracks(const Policy& policy, const std::string& path) {
-  std::ofstream out(path);
-  if (!out) throw std::invalid_argument(fmt::format("--trajectory {}: cannot be written", path));
-  out << "start,t,xc,yc,theta_2,alpha_1,alpha_2,work\n";
+std::string tracks_as_csv(const Policy& policy) {
+  std::string text = "start,t,xc,yc,theta_2,alpha_1,alpha_2,work\n";
   const std::vector<Track> tracks = straight_tracks(policy);
   for (std::size_t start = 0; start < tracks.size(); ++start) {
     const Track& track = tracks[start];
     for (std::size_t k = 0; k < track.x.size(); ++k)
-      out << fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", start,
-                         k * policy.metadata().dt, track.x[k], track.y[k], track.heading[k],
-                         track.alpha_1[k], track.alpha_2[k], track.work[k]);
+      text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", start,
+                          k * policy.metadata().dt, track.x[k], track.y[k], track.heading[k],
+                          track.alpha_1[k], track.alpha_2[k], track.work[k]);
   }
-  out.close();
-  if (!out) throw std::runtime_error(fmt::format("--trajectory {}: writing failed", path));
+  return text;
 }
 
-}  // namespace
+Policy load(const std::string& path) {
+  try {
+    return Policy::load(path);
+  } catch (const PolicyError& error) {
+    throw PolicyError(std::string("--policy ") + error.what());
+  }
+}
 
-int main(int argc, char** argv) {
-  std::string path, trajectory;
+struct Options {
+  std::string policy, trajectory;
   int trials = 100;
   std::uint64_t seed = 0;
   bool straight = false, json = false;
+};
+
+void run(const Options& options) {
+  std::optional<threelink_sim::OutputFile> trajectory;
+  if (!options.trajectory.empty())
+    trajectory.emplace("--trajectory", options.trajectory,
+                       std::vector<std::string>{options.policy});
+  const Policy policy = load(options.policy);
+  const Evaluation evaluation =
+      evaluate(policy, options.trials, options.seed,
+               options.straight ? RandomStarts::kStraight : RandomStarts::kBent);
+  if (trajectory) trajectory->write(tracks_as_csv(policy));
+  options.json ? print_json(evaluation) : print_table(policy, evaluation);
+}
+
+bool parse(int argc, char** argv, Options& options) {
   CLI::App app(
       "Measures a policy as the paper does, with its mean action: 1500 steps towards theta_T = 0 "
       "from\n"
       "straight starts with theta_2 = 0, pi/3 and pi/2, and the share of random starts, of any\n"
       "heading and shape, from which it comes to swim within 2.5 degrees of that direction.\n");
-  app.add_option("--policy", path, "policy file (.safetensors)")->required();
-  app.add_option("--trials", trials, "random starts, 0 to 1000000 (default 100)")
-      ->check(CLI::Range(0, 1000000));
-  app.add_option("--seed", seed, "of the random starts (default 0)")
-      ->check(CLI::Range(std::int64_t(0), std::numeric_limits<std::int64_t>::max()));
-  app.add_flag("--straight", straight, "random starts are straight; only the heading is random");
-  app.add_option("--trajectory", trajectory,
+  app.add_option("--policy", options.policy, "policy file (.safetensors)")->required();
+  app.add_option("--trials", options.trials, "random starts, 0 to 1000000 (default 100)")
+      ->check(threelink_sim::whole_number<int>(0, 1000000));
+  app.add_option("--seed", options.seed, "of the random starts (default 0)")
+      ->check(threelink_sim::whole_number<std::int64_t>(0));
+  app.add_flag("--straight", options.straight,
+               "random starts are straight; only the heading is random");
+  app.add_option("--trajectory", options.trajectory,
                  "CSV to write of the three straight starts, a row a state:\n"
                  "start,t,xc,yc,theta_2,alpha_1,alpha_2,work (start 0 to 2; xc, yc from 0;\n"
                  "work since the start)");
-  app.add_flag("--json", json, "one line of JSON instead of a table");
+  app.add_flag("--json", options.json, "one line of JSON instead of a table");
   app.footer(
       "Units: speed in L/T0, efficiency gamma v^2 / Phi, steps of the policy's dt.\n"
       "Exit status: 0 measured; 1 failed; 2 wrong arguments or file.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kMisuse;
-  }
-  try {
-    const Policy policy = Policy::load(path);
-    const Evaluation evaluation =
-        evaluate(policy, trials, seed, straight ? RandomStarts::kStraight : RandomStarts::kBent);
-    if (!trajectory.empty()) write_tracks(policy, trajectory);
-    json ? print_json(evaluation) : print_table(policy, evaluation);
-    return std::fflush(stdout) == 0 ? 0 : kFailure;
-  } catch (const PolicyError& error) {
-    fmt::print(stderr, "evaluate: --policy {}\n", error.what());
-    return kMisuse;
-  } catch (const std::invalid_argument& error) {
-    fmt::print(stderr, "evaluate: {}\n", error.what());
-    return kMisuse;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "evaluate: {}\n", error.what());
-    return kFailure;
-  }
+  return threelink_sim::parse_command_line(app, argc, argv);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return threelink_sim::run_tool("evaluate", [=] {
+    Options options;
+    if (parse(argc, argv, options)) run(options);
+    return 0;
+  });
 }

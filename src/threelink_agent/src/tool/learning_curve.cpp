@@ -9,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "terminal.hpp"
+
 namespace threelink_agent {
 
 void draw_learning_curve(const std::string& run) {
@@ -19,13 +21,13 @@ void draw_learning_curve(const std::string& run) {
   const int error = posix_spawn(&child, program.c_str(), nullptr, nullptr,
                                 const_cast<char* const*>(arguments), environ);
   if (error != 0) {
-    fmt::print(stderr, "warning: no learning curve: {}: {}\n", program, std::strerror(error));
+    complain(fmt::format("warning: no learning curve: {}: {}\n", program, std::strerror(error)));
     return;
   }
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (status != 0) fmt::print(stderr, "warning: no learning curve: plot_training failed\n");
+  if (status != 0) complain("warning: no learning curve: plot_training failed\n");
 }
 
 }  // namespace threelink_agent

@@ -8,8 +8,8 @@
 
 #include "learning_curve.hpp"
 #include "terminal.hpp"
-#include "threelink_sim/files.hpp"
 #include "threelink_agent/training/backend.hpp"
+#include "threelink_sim/files.hpp"
 #if defined(THREELINK_LIBTORCH)
 #include "threelink_agent/training/blas.hpp"
 #endif
@@ -36,22 +36,23 @@ TrainConfig effective_config(const RunSettings& settings) {
   try {
     config.validate();
   } catch (const ConfigError& error) {
-    throw ConfigError(prefix + error.what());  // seed or episodes: the file is valid
+    throw ConfigError(prefix + error.what(),
+                      prefix + error.for_peers());  // seed or episodes: the file is valid
   }
   return config;
 }
 
 void print_machine(Backend backend) {
-  fmt::print("backend {}, own kernels: {}\n", to_string(backend),
-             threelink_sim::to_string(threelink_sim::isa_in_use()));
+  say(fmt::format("backend {}, own kernels: {}\n", to_string(backend),
+                  threelink_sim::to_string(threelink_sim::isa_in_use())));
 #if defined(THREELINK_LIBTORCH)
   if (backend != Backend::kLibtorch) return;
   const Blas blas = blas_in_use();
-  fmt::print("BLAS: {}\n", blas.name());
+  say(fmt::format("BLAS: {}\n", blas.name()));
   if (blas.slow)
-    fmt::print(
+    say(fmt::format(
         "warning: this is the reference BLAS; `apt install libopenblas0-pthread` makes this\n"
-        "backend about six times faster\n");
+        "backend about six times faster\n"));
 #endif
 }
 
@@ -104,9 +105,9 @@ void train_on(Trainer& trainer, RunFolder& folder, Progress& progress, const Run
 void print_result(const Trainer& trainer, const RunFolder& folder, double seconds) {
   const TrainConfig& config = trainer.config();
   const Evaluation evaluation = evaluate(*trainer.best(), 0, config.seed);
-  fmt::print("speed {:.6f}, efficiency {:.4f} %, {} episodes in {}\n", evaluation.speed,
-             100 * evaluation.efficiency, config.episodes, duration(seconds));
-  fmt::print("{} sha256 {}\n", folder.policy_path().string(), trainer.best()->sha256());
+  say(fmt::format("speed {:.6f}, efficiency {:.4f} %, {} episodes in {}\n", evaluation.speed,
+                  100 * evaluation.efficiency, config.episodes, duration(seconds)));
+  say(fmt::format("{} sha256 {}\n", folder.policy_path().string(), trainer.best()->sha256()));
 }
 
 RunOutcome outcome(const Trainer& trainer, const RunFolder& folder) {
@@ -127,23 +128,23 @@ RunOutcome run_training(const RunSettings& settings, const RunHooks& hooks) {
   const auto opening = settings.resume ? RunFolder::Opening::kResume : RunFolder::Opening::kNew;
   RunFolder folder(settings.out, opening, config, to_string(backend));
   for (const std::string& warning : folder.warnings())
-    fmt::print(stderr, "warning: passed over: {}\n", warning);
+    complain(fmt::format("warning: passed over: {}\n", warning));
   const std::optional<Checkpoint>& checkpoint = folder.checkpoint();
   Trainer trainer = make_trainer(config, settings, backend, hooks.make_source(config), checkpoint);
   folder.begin();
   double seconds = checkpoint ? checkpoint->seconds : 0;
   if (trainer.finished()) {
     folder.finish(trainer, seconds);  // a kill may have come in between
-    fmt::print("the run in {} had finished\n", settings.out);
+    say(fmt::format("the run in {} had finished\n", settings.out));
     print_result(trainer, folder, seconds);
     return outcome(trainer, folder);
   }
 
   print_machine(backend);
   const std::uint32_t episodes = trainer.state().update * config.update.episodes;
-  fmt::print("training {} episodes of {} steps, seed {}, into {}{}\n", config.episodes,
-             config.environment.steps, config.seed, settings.out,
-             episodes > 0 ? fmt::format(", from episode {} on", episodes) : "");
+  say(fmt::format("training {} episodes of {} steps, seed {}, into {}{}\n", config.episodes,
+                  config.environment.steps, config.seed, settings.out,
+                  episodes > 0 ? fmt::format(", from episode {} on", episodes) : ""));
   std::fflush(stdout);
   {
     Progress progress(config, episodes, seconds);

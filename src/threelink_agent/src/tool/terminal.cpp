@@ -1,12 +1,16 @@
 #include "terminal.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
 namespace threelink_agent {
+
+void say(const std::string& text) { std::fputs(text.c_str(), stdout); }
+void complain(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
 std::string duration(double seconds) {
   const auto s = static_cast<long>(seconds + 0.5);

@@ -6,6 +6,11 @@
 
 namespace threelink_agent {
 
+// Prints to standard output, to standard error. Unlike fmt::print() they never throw: that nobody
+// takes the text is no reason to end a training, and is told at its end.
+void say(const std::string& text);
+void complain(const std::string& text);
+
 std::string duration(double seconds);  // "95 s", "17 min", "2 h 5 min"
 
 // "[####........]"; done: 0 .. 1.

@@ -8,14 +8,16 @@
 #include <fmt/format.h>
 
 #include "run_training.hpp"
+#include "terminal.hpp"
 #include "threelink_agent/training/backend.hpp"
 #include "threelink_agent/training/run_lock.hpp"
+#include "threelink_sim/command_line.hpp"
+#include "threelink_sim/output.hpp"
 
 namespace {
 
 using namespace threelink_agent;
-
-constexpr int kFailure = 1, kMisuse = 2;
+using threelink_sim::whole_number;
 
 volatile std::sig_atomic_t signal_caught = 0;
 void on_signal(int signal) { signal_caught = signal; }
@@ -38,8 +40,10 @@ void declare(CLI::App& app, Arguments& arguments) {
                  "metrics.csv (a row an update), learning_curve.png, config.yaml (the effective\n"
                  "settings) and the last 3 checkpoints")
       ->required();
-  app.add_option("--seed", arguments.run.seed, "instead of the configuration's seed");
-  app.add_option("--episodes", arguments.run.episodes, "instead of the configuration's episodes");
+  app.add_option("--seed", arguments.run.seed, "instead of the configuration's seed")
+      ->check(whole_number<std::int64_t>(0));
+  app.add_option("--episodes", arguments.run.episodes, "instead of the configuration's episodes")
+      ->check(whole_number<std::uint32_t>(1, 100000000));
   app.add_flag("--resume", arguments.run.resume,
                "go on from the newest checkpoint in --out that verifies, to the same bits as\n"
                "without the break; begin if nothing is there yet. The configuration must be the\n"
@@ -49,11 +53,11 @@ void declare(CLI::App& app, Arguments& arguments) {
       ->check(CLI::IsMember({to_string(Backend::kFused), to_string(Backend::kLibtorch)}));
   app.add_option("--threads", arguments.run.threads,
                  "of the update; the policy is the same, to the bit (default 1)")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number<int>(1, 1024));
   app.add_option("--checkpoint-every", arguments.run.checkpoint_every,
                  "updates from one checkpoint to the next (default 1). They are written in the\n"
                  "background; while the disk is busy with one, a newer one replaces the next")
-      ->check(CLI::Range(1, 100000000));
+      ->check(whole_number<std::uint32_t>(1, 100000000));
   app.add_option("--on-save-error", arguments.on_save_error,
                  "stop: end with status 1 if something cannot be written, such as on a full\n"
                  "disk; what was written before stays, and --resume goes on from there.\n"
@@ -65,6 +69,7 @@ void declare(CLI::App& app, Arguments& arguments) {
       "SIGINT and SIGTERM end the training after the present update; a checkpoint and both\n"
       "policies are saved. After kill -9 or a power cut, --resume goes on from the last\n"
       "checkpoint.\n"
+      "A standard output that is closed or full ends no training; the status is then 1.\n"
       "Exit status: 0 trained; 1 failed; 2 wrong arguments or files; 130, 143 after SIGINT, "
       "SIGTERM.");
 }
@@ -78,35 +83,26 @@ int train(Arguments& arguments) {
   hooks.keep_going = [] { return signal_caught == 0; };
   hooks.on_update = [](const Trainer&, const UpdateReport*, const Progress&) {};
   if (run_training(arguments.run, hooks).finished) return 0;
-  fmt::print("stopped by signal {}; the policies so far are in {}, and --resume goes on\n",
-             int{signal_caught}, arguments.run.out);
+  say(fmt::format("stopped by signal {}; the policies so far are in {}, and --resume goes on\n",
+                  int{signal_caught}, arguments.run.out));
   return 128 + signal_caught;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app;
-  Arguments arguments;
-  declare(app, arguments);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kMisuse;
-  }
-  std::signal(SIGINT, on_signal);
-  std::signal(SIGTERM, on_signal);
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is an error of write(), not the end
-  try {
-    return train(arguments);
-  } catch (const ConfigError& error) {
-    fmt::print(stderr, "train: {}\n", error.what());
-    return kMisuse;
-  } catch (const RunFolderError& error) {
-    fmt::print(stderr, "train: --out {}\n", error.what());
-    return kMisuse;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "train: {}\n", error.what());
-    return kFailure;
-  }
+  return threelink_sim::run_tool("train", [=] {
+    CLI::App app;
+    Arguments arguments;
+    declare(app, arguments);
+    if (!threelink_sim::parse_command_line(app, argc, argv)) return 0;
+    std::signal(SIGINT, on_signal);
+    std::signal(SIGTERM, on_signal);
+    std::signal(SIGXFSZ, SIG_IGN);  // a limit on file sizes is an error of write(), not the end
+    try {
+      return train(arguments);
+    } catch (const RunFolderError& error) {
+      throw RunFolderError(std::string("--out ") + error.what());
+    }
+  });
 }

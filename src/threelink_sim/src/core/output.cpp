@@ -44,10 +44,13 @@ void occupy_standard_streams() {
       if (::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) != stream) return;
 }
 
+// Unlike fmt::print() this does not throw where nobody takes it.
+void complain(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
 int run_guarded(const char* name, const std::function<int()>& work) {
   const auto fail = [name](int status, const std::string& reason) {
     // A failure to print is told at the end.
-    if (!std::ferror(stdout)) fmt::print(stderr, "{}: {}\n", name, reason);
+    if (!std::ferror(stdout)) complain(fmt::format("{}: {}\n", name, reason));
     return status;
   };
   try {
@@ -113,8 +116,8 @@ int run_tool(const char* name, const std::function<int()>& work) {
   errno = 0;
   if (flush_stdout()) return status;
   // The write that failed may be an earlier one, and errno another's.
-  fmt::print(stderr, "{}: standard output cannot be written{}\n", name,
-             errno != 0 ? ": " + reason() : "");
+  complain(fmt::format("{}: standard output cannot be written{}\n", name,
+                       errno != 0 ? ": " + reason() : ""));
   return status == 0 ? kFailure : status;
 }
 

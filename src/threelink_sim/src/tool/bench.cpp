@@ -1,7 +1,6 @@
 // Throughput of the simulation on one core, work integral included.
 #include <algorithm>
 #include <chrono>
-#include <iostream>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "threelink_sim/batch.hpp"
+#include "threelink_sim/command_line.hpp"
+#include "threelink_sim/output.hpp"
 #include "threelink_sim/random.hpp"
 #include "threelink_sim/reference/nine_by_nine.hpp"
 
@@ -64,47 +65,43 @@ double nine_by_nine_speed(double gamma, double seconds) {
   });
 }
 
+int bench(bool as_json, double seconds, std::size_t lanes) {
+  const Model model;
+  const std::string isa = kernels().isa;
+  const double batch = batch_speed(model, lanes, seconds);
+  const double scalar = batch_speed(model, 1, seconds);
+  const double nine = nine_by_nine_speed(model.gamma, seconds);
+  if (as_json) {
+    const nlohmann::ordered_json figures{{"isa", isa},
+                                         {"batch_steps_per_s", batch},
+                                         {"scalar_steps_per_s", scalar},
+                                         {"nine_by_nine_steps_per_s", nine}};
+    fmt::print("{}\n", figures.dump());
+  } else {
+    fmt::print("instruction set                {}\n", isa);
+    fmt::print("batch of {:<6}        {:10.2f} M steps/s\n", lanes, batch / 1e6);
+    fmt::print("one swimmer            {:10.2f} M steps/s\n", scalar / 1e6);
+    fmt::print("paper's 9x9 system, RK4{:10.2f} M steps/s\n", nine / 1e6);
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool as_json = false;
-  double seconds = 1.0;
-  std::size_t lanes = 256;
-  CLI::App app(
-      "Throughput of the simulation: action steps per second of one core, dt = 0.1, N = 3.");
-  app.add_flag("--json", as_json, "print one JSON object");
-  app.add_option("--seconds", seconds, "time for each figure [s]")
-      ->check(CLI::Range(0.1, 600.0))
-      ->capture_default_str();
-  app.add_option("--lanes", lanes, "swimmers in the batch")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    const Model model;
-    const std::string isa = kernels().isa;
-    const double batch = batch_speed(model, lanes, seconds);
-    const double scalar = batch_speed(model, 1, seconds);
-    const double nine = nine_by_nine_speed(model.gamma, seconds);
-    if (as_json) {
-      std::cout << nlohmann::ordered_json{{"isa", isa},
-                                          {"batch_steps_per_s", batch},
-                                          {"scalar_steps_per_s", scalar},
-                                          {"nine_by_nine_steps_per_s", nine}}
-                << "\n";
-    } else {
-      fmt::print("instruction set                {}\n", isa);
-      fmt::print("batch of {:<6}        {:10.2f} M steps/s\n", lanes, batch / 1e6);
-      fmt::print("one swimmer            {:10.2f} M steps/s\n", scalar / 1e6);
-      fmt::print("paper's 9x9 system, RK4{:10.2f} M steps/s\n", nine / 1e6);
-    }
-  } catch (const std::exception& error) {
-    std::cerr << "bench: " << error.what() << "\n";
-    return 2;
-  }
-  return 0;
+  return run_tool("bench", [=] {
+    bool as_json = false;
+    double seconds = 1.0;
+    std::size_t lanes = 256;
+    CLI::App app(
+        "Throughput of the simulation: action steps per second of one core, dt = 0.1, N = 3.");
+    app.add_flag("--json", as_json, "print one JSON object");
+    app.add_option("--seconds", seconds, "time for each figure [s]")
+        ->check(real_number(0.1, 600.0))
+        ->capture_default_str();
+    app.add_option("--lanes", lanes, "swimmers in the batch")
+        ->check(whole_number<std::size_t>(1, 1 << 20))
+        ->capture_default_str();
+    return parse_command_line(app, argc, argv) ? bench(as_json, seconds, lanes) : 0;
+  });
 }

@@ -3,13 +3,14 @@
 // base_link is the heading link's frame: origin at its midpoint, x along it. From there the joints
 // go outwards, so that their angles are alpha_j = theta_{j+1} - theta_j: hinges ahead of the
 // heading link turn about +z, those behind it, where link j hangs on link j + 1, about -z.
-#include <iostream>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "threelink_sim/command_line.hpp"
 #include "threelink_sim/model.hpp"
+#include "threelink_sim/output.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -97,25 +98,26 @@ std::string urdf(const Options& options) {
 }  // namespace threelink_sim
 
 int main(int argc, char** argv) {
-  threelink_sim::Options options;
-  CLI::App app("Prints the URDF of the N-link swimmer");
-  app.add_option("--links", options.model.links, "number of links N")->capture_default_str();
-  app.add_option("--joint-limit", options.model.joint_limit, "[rad] bound on every hinge angle")
-      ->capture_default_str();
-  app.add_option("--length-scale", options.length_scale, "[m] length of the swimmer")
-      ->check(CLI::Range(1e-9, 1e6))
-      ->capture_default_str();
-  app.add_option("--time-scale", options.time_scale, "[s] of one T0")
-      ->check(CLI::Range(1e-3, 1e3))
-      ->capture_default_str();
-  try {
-    app.parse(argc, argv);
-    options.model.validate();
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  } catch (const std::invalid_argument& error) {
-    std::cerr << "make_urdf: " << error.what() << '\n';
-    return 2;
-  }
-  std::cout << threelink_sim::urdf(options);
+  using threelink_sim::real_number;
+  return threelink_sim::run_tool("make_urdf", [=] {
+    threelink_sim::Options options;
+    CLI::App app("Prints the URDF of the N-link swimmer");
+    app.add_option("--links", options.model.links, "number of links N")
+        ->check(threelink_sim::whole_number<int>(2, threelink_sim::kMaxLinks))
+        ->capture_default_str();
+    app.add_option("--joint-limit", options.model.joint_limit, "[rad] bound on every hinge angle")
+        ->check(real_number())
+        ->capture_default_str();
+    app.add_option("--length-scale", options.length_scale, "[m] length of the swimmer")
+        ->check(real_number(1e-9, 1e6))
+        ->capture_default_str();
+    app.add_option("--time-scale", options.time_scale, "[s] of one T0")
+        ->check(real_number(1e-3, 1e3))
+        ->capture_default_str();
+    if (threelink_sim::parse_command_line(app, argc, argv)) {
+      options.model.validate();
+      fmt::print("{}", threelink_sim::urdf(options));
+    }
+    return 0;
+  });
 }

@@ -4,10 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
-#include <fstream>
-#include <limits>
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -16,6 +13,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "threelink_sim/command_line.hpp"
+#include "threelink_sim/output.hpp"
 #include "threelink_sim/stroke_file.hpp"
 
 namespace {
@@ -23,7 +22,7 @@ namespace {
 using namespace threelink_sim;
 using nlohmann::json;
 
-constexpr int kSuccess = 0, kFailure = 1, kMisuse = 2;
+constexpr int kSuccess = 0;
 // More where the rates vary within a stroke, so that holding them costs below 1e-4 of the value.
 constexpr int kPieces = 240, kPiecesOfEfficiency = 400;
 
@@ -135,26 +134,13 @@ json square(const Options& options) {
   return all;
 }
 
-// Leaves a file that is there as it is: the search may fail.
-void require_writable(const std::string& path) {
-  if (!std::ofstream(path, std::ios::app))
-    throw std::invalid_argument(fmt::format("{}: cannot be written", path));
-}
-
-void write(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw std::runtime_error(fmt::format("{}: writing failed", path));
-}
-
-void run(const Options& options) {
-  const std::string csv = options.out + ".csv", json_file = options.out + ".json";
-  require_writable(csv);  // a folder that is not there is better known before the search
+int run(const Options& options) {
+  // A folder that is not there is better known before the search.
+  const OutputFile csv("--out", options.out + ".csv"), json_file("--out", options.out + ".json");
   json all = options.square.empty() ? found_stroke(options) : square(options);
-  all["swim"] = swim_command(all, csv);
-  write(csv, rates_as_csv(all["rates"]));
-  write(json_file, all.dump() + "\n");
+  all["swim"] = swim_command(all, csv.path());
+  csv.write(rates_as_csv(all["rates"]));
+  json_file.write(all.dump() + "\n");
   if (options.print_json) {
     fmt::print("{}\n", all.dump());
   } else {
@@ -163,15 +149,13 @@ void run(const Options& options) {
         "speed {:.7f}, efficiency {:.4f} %, period {:.5f}, displacement {:.7f}, rotation {:.2g}\n",
         number("speed"), 100 * number("efficiency"), number("period"), number("displacement"),
         number("rotation"));
-    fmt::print("{}\n{}\nplay: {}\n", csv, json_file, all["swim"].get<std::string>());
+    fmt::print("{}\n{}\nplay: {}\n", csv.path(), json_file.path(), all["swim"].get<std::string>());
   }
-  if (std::fflush(stdout) != 0) throw std::runtime_error("standard output: writing failed");
+  return kSuccess;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options options;
+// Declares the options and parses the command line; false if only help was asked for.
+bool parse(int argc, char** argv, Options& options) {
   StrokeSearch& search = options.search;
   CLI::App app(
       "Finds the best stroke: periodic hinge rates within [-1, 1], piecewise constant, that do "
@@ -186,54 +170,58 @@ int main(int argc, char** argv) {
   auto* square = app.add_option("--square", options.square,
                                 "LOW,HIGH [rad]: no search, but Purcell's stroke between these "
                                 "angles, one outer hinge at a time")
+                     ->check(real_number())
                      ->delimiter(',')
                      ->expected(2)
                      ->excludes(objective);
   app.add_option("--out", options.out, "writes OUT.csv (rates, for swim) and OUT.json (all)")
       ->required();
   auto* b = app.add_option("--b", search.b, "weight of the speed, of energy_aware")
+                ->check(real_number())
                 ->capture_default_str();
-  auto* c = app.add_option("--c", search.c, "weight of the power, likewise")->capture_default_str();
-  app.add_option("--links", search.model.links, "number of links N")->capture_default_str();
+  auto* c = app.add_option("--c", search.c, "weight of the power, likewise")
+                ->check(real_number())
+                ->capture_default_str();
+  app.add_option("--links", search.model.links, "number of links N")
+      ->check(whole_number<int>(2, kMaxLinks))
+      ->capture_default_str();
   app.add_option("--gamma", search.model.gamma, "drag ratio C_parallel / C_perp")
+      ->check(real_number())
       ->capture_default_str();
   app.add_option("--joint-limit", search.model.joint_limit, "[rad] of each hinge angle")
+      ->check(real_number())
       ->capture_default_str();
   auto* pieces =
       app.add_option("--pieces", options.pieces,
                      fmt::format("of a period, in which rates are held (default {}; efficiency {})",
                                  kPieces, kPiecesOfEfficiency))
-          ->check(CLI::Range(1, 1000));
+          ->check(whole_number<int>(1, 1000));
   app.add_option("--dt", search.dt,
                  "length of a piece [T0], so that the period is a multiple of it")
-      ->check(CLI::Range(1e-3, 1.0))
+      ->check(real_number(1e-3, 1.0))
       ->excludes(pieces)
       ->excludes(square);
-  app.add_option("--starts", search.starts, "random starts")->capture_default_str();
+  app.add_option("--starts", search.starts, "random starts")
+      ->check(whole_number<int>(1, 1000))
+      ->capture_default_str();
   app.add_option("--seed", search.seed, "keys the starts")
       ->capture_default_str()
-      ->check(CLI::Range(std::int64_t(0), std::numeric_limits<std::int64_t>::max()));
+      ->check(whole_number<std::int64_t>(0));
   app.add_flag("--json", options.print_json, "prints the JSON, in one line, instead of text");
   app.footer("Exit status: 0 written; 1 no start converged; 2 wrong arguments or file.");
-  try {
-    app.parse(argc, argv);
-    if (objective->count() + square->count() == 0)
-      throw CLI::RequiredError("--objective or --square");
-    if (b->count() + c->count() > 0 && options.objective != "energy_aware")
-      throw CLI::ValidationError("--b, --c", "weights of --objective energy_aware only");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kMisuse;
-  }
-  const auto fail = [](int status, const std::string& reason) {
-    fmt::print(stderr, "optimal_stroke: {}\n", reason);
-    return status;
-  };
-  try {
-    run(options);
-    return kSuccess;
-  } catch (const std::invalid_argument& error) {
-    return fail(kMisuse, error.what());
-  } catch (const std::exception& error) {
-    return fail(kFailure, error.what());
-  }
+  if (!parse_command_line(app, argc, argv)) return false;
+  if (objective->count() + square->count() == 0)
+    throw UsageError("--objective or --square is required");
+  if (b->count() + c->count() > 0 && options.objective != "energy_aware")
+    throw UsageError("--b, --c: weights of --objective energy_aware only");
+  return true;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_tool("optimal_stroke", [=] {
+    Options options;
+    return parse(argc, argv, options) ? run(options) : kSuccess;
+  });
 }

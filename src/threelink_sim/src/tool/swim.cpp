@@ -1,84 +1,61 @@
 // Plays prescribed hinge rates on one swimmer, without a ROS master: CSV in, CSV out.
+#include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iostream>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "threelink_sim/command_line.hpp"
+#include "threelink_sim/csv.hpp"
+#include "threelink_sim/files.hpp"
+#include "threelink_sim/output.hpp"
 #include "threelink_sim/swimmer.hpp"
 
 namespace {
 
 using namespace threelink_sim;
 
-// A finite number, all of `text`; throws std::invalid_argument that begins with `where`.
-double number(const std::string& text, const std::string& where) {
-  std::size_t used = 0;
-  double value = NAN;
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-  }
-  while (used < text.size() && std::isspace(static_cast<unsigned char>(text[used]))) ++used;
-  if (used != text.size() || !std::isfinite(value))
-    throw std::invalid_argument(fmt::format("{}: \"{}\" is not a finite number", where, text));
-  return value;
-}
-
-std::vector<double> numbers(const std::string& row, const std::string& where) {
-  std::vector<double> values;
-  std::stringstream cells(row);
-  for (std::string cell; std::getline(cells, cell, ',');)
-    values.push_back(number(cell, fmt::format("{}, column {}", where, values.size() + 1)));
-  return values;
-}
+constexpr std::size_t kMaxRateBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxRows = 2'000'000;
 
 SwimmerState read_start(const Model& model, const std::string& text) {
-  const std::vector<double> v = numbers(text, "--start");
-  if (static_cast<int>(v.size()) != 3 + model.hinges())
-    throw std::invalid_argument(
-        fmt::format("--start has {} values: {} links need X1,Y1,THETA1 and {} hinge angles",
-                    v.size(), model.links, model.hinges()));
+  const std::size_t values = 3 + model.hinges();
+  const auto given = static_cast<std::size_t>(std::count(text.begin(), text.end(), ',') + 1);
+  if (given != values)
+    throw UsageError(
+        fmt::format("--start has {} values: {} links need X1,Y1,THETA1 and {} hinge angles", given,
+                    model.links, model.hinges()));
+  const std::vector<CsvRow> rows = parse_csv(text, "--start", {values, 1});
+  if (rows.empty()) throw UsageError("--start: is empty");
+  const std::vector<double>& v = rows[0].values;
   const HingeVector alpha = HingeVector::Map(v.data() + 3, model.hinges());
   const SwimmerState state = state_from_free_end(model, {v[0], v[1]}, v[2], alpha);
   validate(model, state);
   return state;
 }
 
-std::vector<HingeVector> read_rates(const Model& model, const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::invalid_argument(fmt::format("{}: cannot be read", path));
-  std::vector<HingeVector> rates;
-  for (std::string row; std::getline(file, row);) {
-    const std::string where = fmt::format("{}, row {}", path, rates.size() + 1);
-    const std::vector<double> v = numbers(row, where);
-    if (static_cast<int>(v.size()) != model.hinges())
-      throw std::invalid_argument(fmt::format("{}: {} values, {} links have {} hinges", where,
-                                              v.size(), model.links, model.hinges()));
-    rates.push_back(HingeVector::Map(v.data(), model.hinges()));
-  }
-  if (rates.empty()) throw std::invalid_argument(fmt::format("{}: has no rows", path));
+std::vector<CsvRow> read_rates(const Model& model, const std::string& path) {
+  const auto hinges = static_cast<std::size_t>(model.hinges());
+  std::vector<CsvRow> rates = parse_csv(read_input(path, kMaxRateBytes), path, {hinges, kMaxRows});
+  if (rates.empty()) throw UsageError(fmt::format("{}: has no rows", path));
   return rates;
 }
 
-void write_header(std::ostream& out, const Model& model) {
-  out << "t,x1,y1";
-  for (int i = 1; i <= model.links; ++i) out << ",theta_" << i;
-  out << ",xc,yc,work\n";
+std::string header(const Model& model) {
+  std::string text = "t,x1,y1";
+  for (int i = 1; i <= model.links; ++i) text += fmt::format(",theta_{}", i);
+  return text + ",xc,yc,work\n";
 }
 
-void write_row(std::ostream& out, const Model& model, const SwimmerState& state, double t,
-               double work) {
+std::string row(const Model& model, const SwimmerState& state, double t, double work) {
   const Eigen::Vector2d x_1 = free_end(model, state);
-  out << fmt::format("{:.17g},{:.17g},{:.17g}", t, x_1.x(), x_1.y());
+  std::string text = fmt::format("{:.17g},{:.17g},{:.17g}", t, x_1.x(), x_1.y());
   const auto theta = link_angles(model, state);
-  for (Eigen::Index i = 0; i < theta.size(); ++i) out << fmt::format(",{:.17g}", theta[i]);
-  out << fmt::format(",{:.17g},{:.17g},{:.17g}\n", state.centroid.x(), state.centroid.y(), work);
+  for (Eigen::Index i = 0; i < theta.size(); ++i) text += fmt::format(",{:.17g}", theta[i]);
+  return text +
+         fmt::format(",{:.17g},{:.17g},{:.17g}\n", state.centroid.x(), state.centroid.y(), work);
 }
 
 struct Options {
@@ -88,42 +65,34 @@ struct Options {
   Model model;
 };
 
-void swim(const Options& options) {
+int swim(const Options& options) {
+  const OutputFile out("--out", options.out, {options.rates});
   const Model& model = options.model;
   model.validate();
   if (!(options.dt > 0 && std::isfinite(options.dt)))
-    throw std::invalid_argument(fmt::format("--dt {}: must be positive", options.dt));
+    throw UsageError(fmt::format("--dt {}: must be positive", options.dt));
   SwimmerState state = read_start(model, options.start);
-  const std::vector<HingeVector> rates = read_rates(model, options.rates);
+  const std::vector<CsvRow> rates = read_rates(model, options.rates);
 
-  std::ofstream out(options.out);
-  if (!out) throw std::invalid_argument(fmt::format("{}: cannot be written", options.out));
-  write_header(out, model);
   double work = 0;
-  write_row(out, model, state, 0, work);
+  std::string text = header(model) + row(model, state, 0, work);
   for (std::size_t k = 0; k < rates.size(); ++k) {
-    const double max_rate = rates[k].cwiseAbs().maxCoeff();
-    const StepResult step =
-        advance(model, state, rates[k], options.dt, substeps(model, options.dt, max_rate));
-    if (!options.clip && step.rates != rates[k])
-      throw std::invalid_argument(
-          fmt::format("{}, row {}: a hinge would pass the joint limit of {} rad (--clip cuts the "
-                      "rate instead)",
-                      options.rates, k + 1, model.joint_limit));
+    const HingeVector wanted = HingeVector::Map(rates[k].values.data(), model.hinges());
+    const StepResult step = advance(model, state, wanted, options.dt,
+                                    substeps(model, options.dt, wanted.cwiseAbs().maxCoeff()));
+    if (!options.clip && step.rates != wanted)
+      throw UsageError(
+          fmt::format("{}:{}: a hinge would pass the joint limit of {} rad (--clip cuts the rate "
+                      "instead)",
+                      options.rates, rates[k].line, model.joint_limit));
     work += step.work;
-    write_row(out, model, state, (k + 1) * options.dt, work);
+    text += row(model, state, (k + 1) * options.dt, work);
   }
-  out.close();
-  if (!out) throw std::runtime_error(fmt::format("{}: writing failed", options.out));
+  out.write(text);
+  return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  Options options;
-  CLI::App app(
-      "Plays prescribed hinge rates on the N-link swimmer, dimensionless: lengths in L, times in "
-      "T0, work in C_perp L^3/T0.");
+void declare(CLI::App& app, Options& options) {
   app.add_option("--start", options.start,
                  "X1,Y1,THETA1,ALPHA1[,ALPHA2...]: free end of link 1, its angle, hinge angles "
                  "[rad]")
@@ -135,25 +104,30 @@ int main(int argc, char** argv) {
                  "CSV to write: t,x1,y1,theta_1..theta_N,xc,yc,work (work since the start); the "
                  "start in its first row")
       ->required();
-  app.add_option("--dt", options.dt, "length of a step [T0]")->capture_default_str();
-  app.add_option("--links", options.model.links, "number of links N")->capture_default_str();
+  app.add_option("--dt", options.dt, "length of a step [T0]")
+      ->check(real_number())
+      ->capture_default_str();
+  app.add_option("--links", options.model.links, "number of links N")
+      ->check(whole_number<int>(2, kMaxLinks))
+      ->capture_default_str();
   app.add_option("--gamma", options.model.gamma, "drag ratio C_parallel / C_perp")
+      ->check(real_number())
       ->capture_default_str();
   app.add_flag("--clip", options.clip,
                "cut rates at the joint limit of 2 pi/3 instead of refusing them");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
-  try {
-    swim(options);
-  } catch (const std::invalid_argument& error) {
-    std::cerr << "swim: " << error.what() << "\n";
-    return 2;
-  } catch (const std::exception& error) {
-    std::cerr << "swim: " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  app.footer(
+      "Exit status: 0 written; 1 failed; 2 wrong arguments or file, and --out is as it was.");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  return run_tool("swim", [=] {
+    CLI::App app(
+        "Plays prescribed hinge rates on the N-link swimmer, dimensionless: lengths in L, times in "
+        "T0, work in C_perp L^3/T0.");
+    Options options;
+    declare(app, options);
+    return parse_command_line(app, argc, argv) ? swim(options) : 0;
+  });
 }
