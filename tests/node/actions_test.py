@@ -184,8 +184,11 @@ class ActionsTest(unittest.TestCase):
                 ("pursuit", "", "", "parameters/v_ratio is missing"),
                 ("waypoints", "{treshold: 1}", "", "nearest one is parameters/threshold"),
                 ("waypoints", "[1, 2]", "", "must be a dictionary"),
-                ("waypoints", "{a: [", "", "no YAML"),
-                ("waypoints", "{points: /no/file.csv}", "", "/no/file.csv: cannot be read"),
+                ("waypoints", "{a: [", "", "parameters: is not YAML: line 1"),
+                ("waypoints", "{a: &b [*b]}", "", "parameters: line 1, column 5: anchors"),
+                ("waypoints", "{a: " + "[" * 10000, "", "parameters: "),
+                ("waypoints", "{points: /no/file.csv}", "", "/no/file.csv: cannot open"),
+                ("waypoints", "{points: /dev/zero}", "", "/dev/zero: not a file"),
                 ("direction", "", "/no/policy", "/no/policy")):
             with self.subTest(task=task, parameters=parameters):
                 self.send(task, parameters, policy=policy)
@@ -196,6 +199,21 @@ class ActionsTest(unittest.TestCase):
                 self.assertIn(message, self.client.get_goal_status_text())
         self.send("direction", "{max_steps: 3}")
         self.assertEqual(self.result().steps, 3)
+
+    def test_no_file_is_quoted_to_those_who_name_it(self):
+        for name, content in (("a.csv", "1,2\nsecret\n"), ("a.yaml", "[secret]"),
+                              ("b.yaml", "*secret")):
+            path = os.path.join(self.folder, name)
+            with open(path, "w") as file:
+                file.write(content)
+            for task, parameters, policy in (("waypoints", "{points: %s}" % path, ""),
+                                             ("direction", "", path)):
+                with self.subTest(name, task=task):
+                    self.send(task, parameters, policy=policy)
+                    result = self.result()
+                    self.assertIn(path, result.reason)
+                    self.assertNotIn("secret", result.reason)
+                    self.assertNotIn("secret", self.client.get_goal_status_text())
 
     def test_a_goal_may_bring_its_policy(self):
         path = os.path.join(self.folder, "other.safetensors")

@@ -335,6 +335,10 @@ TEST_F(AgentTest, LoadsFilesAndKeepsTheOldPolicyIfTheyAreUnsound) {
   EXPECT_TRUE(contains(load(file("flipped"), false, policy), file("flipped") + ": damaged"));
   threelink_sim::write_file(file("short"), bytes.substr(0, bytes.size() / 2));
   EXPECT_TRUE(contains(load(file("short"), false, policy), file("short")));
+  threelink_sim::write_file(file("secret"), "secret: of somebody who did not give it away");
+  const std::string told = load(file("secret"), false, policy);
+  EXPECT_TRUE(contains(told, file("secret") + ": is not a safetensors file")) << told;
+  EXPECT_FALSE(contains(told, "of somebody")) << told;
   EXPECT_TRUE(contains(load(file("none"), false, policy), "cannot open"));
   EXPECT_TRUE(contains(load("", false, policy), "cannot open"));
 
@@ -343,7 +347,7 @@ TEST_F(AgentTest, LoadsFilesAndKeepsTheOldPolicyIfTheyAreUnsound) {
   const std::string status = load(file("five_links"), false, policy);
   for (const char* part : {"5 links", "(64, 6)", "(4, 64)", "3 links", "(64, 4)", "(2, 64)"})
     EXPECT_TRUE(contains(status, part)) << status;
-  ASSERT_TRUE(wait([&] { return diagnostic("policies refused") == "5"; }));
+  ASSERT_TRUE(wait([&] { return diagnostic("policies refused") == "6"; }));
   expect_in_use(policy);
 }
 

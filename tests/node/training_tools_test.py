@@ -140,7 +140,12 @@ class TrainActionTest(TrainingTestCase):
         bad = os.path.join(self.folder, "bad.yaml")
         with open(self.config) as good, open(bad, "w") as file:
             file.write(good.read().replace("evaluate_every:", "evaluate_evry:"))
-        for goal, said in (({"config": "/nowhere.yaml"}, "/nowhere.yaml"), ({"config": bad}, bad),
+        secret = os.path.join(self.folder, "secret.yaml")
+        with open(secret, "w") as file:
+            file.write("secret: 1\n")
+        for goal, said in (({"config": secret}, secret + ": holds a key that is not known"),
+                           ({"config": "/dev/zero"}, "/dev/zero: not a file"),
+                           ({"config": "/nowhere.yaml"}, "/nowhere.yaml"), ({"config": bad}, bad),
                            ({"config": ""}, "config is required"), ({"out": ""}, "out is required"),
                            ({"out": self.folder}, "is not empty"), ({"episodes": 2**31}, "episodes")):
             with self.subTest(**goal):
@@ -149,6 +154,7 @@ class TrainActionTest(TrainingTestCase):
                 self.assertEqual(result.outcome, TrainResult.REJECTED)
                 self.assertIn(said, result.reason)
                 self.assertEqual(self.client.get_goal_status_text(), result.reason)
+                self.assertNotIn("secret: ", result.reason.replace(secret + ": ", ""))
         self.assertFalse(os.path.exists(os.path.join(self.folder, "run")))
         self.send(workers=True)  # there is none
         result = self.result(GoalStatus.ABORTED)

@@ -154,6 +154,57 @@ TEST(ParameterMap, TakesQuotedNumbersForText) {
             "f/c = 1 (double): must be a whole number");
 }
 
+TEST(ParameterMap, ReadsNumbersOnlyAsTheyAreWritten) {
+  // A tag, or another writer, can leave blanks that the C library skips.
+  for (const char* word : {" 5", "5 ", "\n5", "\t5", "+", "0x10", "5,0", "1_000", "5.0 "}) {
+    YAML::Node values;
+    values["a"] = word;
+    values["a"].SetTag("tag:yaml.org,2002:int");
+    ParameterMap map("f", values);
+    EXPECT_NE(error_of([&] { map.real("a", {-10, 10}); }), "") << word;
+    EXPECT_NE(error_of([&] { map.integer("a", {-10, 10}); }), "") << word;
+  }
+}
+
+TEST(ParameterMap, OfATextThatIsHostile) {
+  const auto refusal = [](const std::string& yaml) {
+    return error_of([&] { parse_parameters("parameters", yaml).finish(); });
+  };
+  EXPECT_EQ(refusal("{}"), "");
+  EXPECT_EQ(refusal(""), "");
+  EXPECT_EQ(refusal("abc"), "parameters = \"abc\" (string): must be a dictionary of parameters");
+  EXPECT_EQ(refusal("{a: &b [*b]}").rfind("parameters: line 1, column 5: anchors", 0), 0u);
+  EXPECT_EQ(refusal("{a: !!int ' 5'}").rfind("parameters: line 1, column 5: tags", 0), 0u);
+  EXPECT_EQ(refusal("{a: 1, a: 2}"), "parameters: line 1, column 8: a: given twice");
+  EXPECT_EQ(refusal("{a: [").rfind("parameters: is not YAML: line 1", 0), 0u);
+  EXPECT_LT(refusal(std::string(100'000, 'x') + ": 1").size(), 200u);
+}
+
+TEST(Parameters, NestedTooDeeplyAreRefused) {
+  XmlRpcValue deep(1);
+  for (int i = 0; i < 40; ++i) {
+    XmlRpcValue list;
+    list[0] = deep;
+    deep = list;
+  }
+  EXPECT_EQ(error_of([&] { with("a", deep); }), "/node: nested more than 32 deep");
+}
+
+TEST(ParameterMap, ErrorsOfAFileAreNotQuotedToPeers) {
+  XmlRpcValue values;
+  values["points"] = std::string("FILE");
+  Parameters map("/node", values);
+  try {
+    map.points("points", {0, 1}, [](const std::string&) -> ParameterMap::Points {
+      throw UsageError("FILE:1: secret", "FILE:1: is no number");
+    });
+    FAIL();
+  } catch (const UsageError& error) {
+    EXPECT_EQ(std::string(error.what()), "/node/points = \"FILE\" (string): FILE:1: secret");
+    EXPECT_EQ(text_for_peers(error), "/node/points = \"FILE\" (string): FILE:1: is no number");
+  }
+}
+
 TEST(ParameterMap, RefusesWhatIsGivenTwiceButIgnoresWhatItIsTold) {
   ParameterMap map("f", YAML::Load("{a: 1, a: 2}"));
   map.real("a", {0, 9});

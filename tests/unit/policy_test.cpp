@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 
 #include "random_policy.hpp"
-#include "threelink_sim/files.hpp"
 #include "threelink_agent/safetensors.hpp"
 #include "threelink_agent/symmetry.hpp"
+#include "threelink_sim/files.hpp"
 
 namespace {
 std::size_t allocations = 0;
@@ -244,6 +244,23 @@ TEST(PolicyFile, EveryTruncationIsRefused) {
   const std::string bytes = random_policy(8).serialize();
   for (std::size_t size = 0; size < bytes.size(); ++size)
     ASSERT_EQ(refusal(bytes.substr(0, size)).substr(0, 6), "FILE: ") << size << " bytes";
+}
+
+TEST(PolicyFile, PeersAreToldNothingOfWhatIsInAFile) {
+  std::string hash;
+  Container odd = parse_container(random_policy(8).serialize(), hash), other = odd;
+  odd.metadata["secret"] = "secret";
+  other.metadata["format"] = "secret";
+  for (const std::string& bytes :
+       {std::string("secret: the first line\n"), serialize(odd).bytes, serialize(other).bytes}) {
+    try {
+      Policy::parse(bytes, "FILE");
+      FAIL();
+    } catch (const PolicyError& error) {
+      EXPECT_EQ(error.for_peers().substr(0, 6), "FILE: ");
+      EXPECT_EQ(error.for_peers().find("secret"), std::string::npos) << error.for_peers();
+    }
+  }
 }
 
 // The refusal of a policy of which something was changed; sound as a container.

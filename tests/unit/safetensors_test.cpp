@@ -41,15 +41,23 @@ Container example() {
   return container;
 }
 
-// The bytes of a file with any header and right hashes.
-std::string file_of(json header, const std::string& data) {
-  header["__metadata__"]["sha256"] = sha256(data);
-  header["__metadata__"]["header_sha256"] = std::string(64, '0');
-  std::string text = header.dump();
+// The bytes of a file whose header is this text but for the digits of its hash.
+std::string file_of_text(std::string text, const std::string& data) {
   const std::string hash = sha256(text);
   text.replace(text.find(std::string(64, '0')), 64, hash);
   const std::uint64_t length = text.size();
   return std::string(reinterpret_cast<const char*>(&length), 8) + text + data;
+}
+
+std::string header_text(json header, const std::string& data) {
+  header["__metadata__"]["sha256"] = sha256(data);
+  header["__metadata__"]["header_sha256"] = std::string(64, '0');
+  return header.dump();
+}
+
+// The bytes of a file with any header and right hashes.
+std::string file_of(const json& header, const std::string& data) {
+  return file_of_text(header_text(header, data), data);
 }
 
 json entry(const json& dtype, const json& shape, const json& begin, const json& end) {
@@ -140,6 +148,59 @@ TEST(Safetensors, RefusesHeadersThatLie) {
                  "from 2");
   expect_refused(file_of({{"t", entry("U8", {6}, 0, 6)}}, data), "expected 6");
   expect_refused(file_of({{"__metadata__", {{"key", 1}}}}, ""), "not text");
+}
+
+TEST(Safetensors, RefusesHeadersNestedDeeply) {
+  const std::string data(8, 'x');
+  for (const std::size_t depth : {33, 80'000, 400'000})
+    for (const std::string place : {"\"@\"", "[\"@\"]", "{\"a\":\"@\"}"})
+      for (const char* key : {"dtype", "shape", "data_offsets"}) {
+        json tensor = entry("F32", {2}, 0, 8);
+        tensor[key] = json::parse(place);
+        std::string text = header_text({{"t", tensor}}, data);
+        text.replace(text.find("\"@\""), 3, std::string(depth, '[') + std::string(depth, ']'));
+        expect_refused(file_of_text(text, data), "the header is nested more than 32 deep");
+      }
+}
+
+TEST(Safetensors, SaysLittleOfWhatItRefuses) {
+  const std::string data(8, 'x');
+  const json list = json::array({std::string(100'000, 'y')});
+  for (const char* key : {"dtype", "shape", "data_offsets"}) {
+    json tensor = entry("F32", {2}, 0, 8);
+    tensor[key] = key == std::string("data_offsets") ? json::array({list, 8}) : list;
+    for (const std::string& name : {std::string("t"), std::string(100'000, 'z')}) {
+      try {
+        parse(file_of({{name, tensor}}, data));
+        FAIL() << key;
+      } catch (const ContainerError& error) {
+        EXPECT_LT(std::string(error.what()).size(), 400u);
+        EXPECT_EQ(error.for_peers().find("yy"), std::string::npos);
+      }
+    }
+  }
+}
+
+TEST(Safetensors, RefusesHeadersThatReadersTakeDifferently) {
+  const std::string data(8, 'x'), good = header_text({{"t", entry("F32", {2}, 0, 8)}}, data);
+  EXPECT_NO_THROW(parse(file_of_text(good + "   ", data)));
+  expect_refused(file_of_text(good + "{}", data), "the header is not JSON: line 1, column ");
+  expect_refused(file_of_text("\xef\xbb\xbf" + good, data), "its header is not a JSON object");
+  expect_refused(file_of_text(" " + good, data), "its header is not a JSON object");
+  std::string twice = good;
+  twice.insert(twice.find("\"dtype\""), "\"dtype\":\"F32\",");
+  expect_refused(file_of_text(twice, data), "has the key \"dtype\" twice");
+  twice = good;
+  twice.insert(1, "\"t\":1,");
+  expect_refused(file_of_text(twice, data), "has the key \"t\" twice");
+}
+
+TEST(Safetensors, SaysWhatAFileIsInstead) {
+  expect_refused("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 5\n",
+                 "is a Git LFS pointer, not the file itself: run `git lfs pull`");
+  expect_refused("<!DOCTYPE html>\n<html>404</html>\n", "is an HTML page");
+  expect_refused("{\"actor\": [1, 2, 3]}", "is not a safetensors file");
+  expect_refused("PK\x03\x04 and what PyTorch writes", "is a ZIP archive");
 }
 
 TEST(Safetensors, RefusesWhatIsNoContainer) {

@@ -178,7 +178,7 @@ TEST_F(StrokeFile, Refusals) {
   const Stroke stroke = square_stroke(Model{}, -1, 1, 8);
   nlohmann::json good = stroke_to_json(stroke, aligned_start(stroke)), bad = good;
   bad["format"] = "something else";
-  refused(bad.dump(), "format \"something else\"");
+  refused(bad.dump(), "format = \"something else\": must be \"threelink-stroke-1\"");
   bad = good;
   bad.erase("dt");
   refused(bad.dump(), "dt");
@@ -192,17 +192,24 @@ TEST_F(StrokeFile, Refusals) {
   refused(bad.dump(), "links = 4294967299: must be a whole number");
   bad = good;
   bad["start"]["alpha"] = 1;
-  refused(bad.dump(), "start.alpha: 1: must be a list of numbers");
+  refused(bad.dump(), "start.alpha = 1: must be a list of numbers");
   bad = good;
   bad["rates"][1][1] = nullptr;
-  refused(bad.dump(), "rates, row 2: [");
+  refused(bad.dump(), "rates, row 2 = [");
   bad = good;
   bad["rates"][3][0] = 2;
   refused(bad.dump(), "rates, row 4");
   bad = good;
   bad["links"] = 4;
   refused(bad.dump(), "4 links have 3 hinges");
-  refused(good.dump().substr(0, 100), "parse error");
+  refused(good.dump().substr(0, 100), "is not JSON: line 1, column 101, where the text ends");
+  refused("{\"dt\": 1, " + good.dump().substr(1), "has the key \"dt\" twice");
+  refused("[1]", "has no \"format\"");
+  refused("version https://git-lfs.github.com/spec/v1\n", "git lfs pull");
+  std::string deep = good.dump();
+  const std::string gamma = "\"gamma\":";
+  deep.insert(deep.find(gamma) + gamma.size(), std::string(100'000, '['));
+  refused(deep, "is nested more than 32 deep");
   EXPECT_THROW(load_stroke("/no/such/file"), UsageError);
 }
 

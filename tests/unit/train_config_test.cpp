@@ -160,14 +160,21 @@ const Refusal kRefusals[] = {
     {"seed: 3\n", "", "seed: missing"},
     {"lambda: 0.95, ", "", "advantage.lambda: missing"},
     {"std_final: 0.3, ", "", "exploration.std_final: missing"},
-    {"seed: 3\n", "seed: 3\nseed: 4\n", "seed: given twice"},
-    {"clip: 0.2", "clip: 0.2\n  clip: 0.3", "update.clip: given twice"},
-    {"symmetry: {", "advantage: {lambda: 1.0}\nsymmetry: {", "advantage.lambda: given twice"},
+    {"seed: 3\n", "seed: 3\nseed: 4\n", "line 3, column 1: seed: given twice"},
+    {"clip: 0.2", "clip: 0.2\n  clip: 0.3", "clip: given twice"},
+    {"symmetry: {", "advantage: {lambda: 1.0}\nsymmetry: {", "advantage: given twice"},
     {"learned: false", "learned: true", "exploration.decay_fraction: unknown key"},
     {"epochs: 10", "epochs: {a: 10}", "update.epochs.a: unknown key .*update.epochs"},
     {"hidden: [64, 32]", "hidden: {a: 64}", "hidden.a: unknown key"},
     {"symmetry: {canonical: reversal, mirror: true}", "symmetry: 1", "symmetry: unknown key"},
-    {"seed: 3", "seed: [3", "test: "},
+    {"seed: 3", "seed: [3", "test: is not YAML: line "},
+    {"seed: 3", "learning_rate: 3", "learning_rate: unknown key .*update.actor_learning_rate"},
+    {"seed: 3", "hiden: 3", "hiden: unknown key .*hidden"},
+    {"clip: 0.2", "clip: 0.2\n  lambda: 1.0", "update.lambda: unknown key .*advantage.lambda"},
+    {"seed: 3", "seed: &a {b: *a}", "test: line .*anchors"},
+    {"seed: 3", "seed: !!int ' 5'", "test: line .*tags"},
+    {"seed: 3", "seed: 3\n---\nseed: 4", "a second document"},
+    {"seed: 3", "symmetry.mirror: true\nseed: 3", "symmetry.mirror: given twice"},
     {kValid.c_str(), "- 1", "must be a map"},
     {kValid.c_str(), "", "must be a map"},
     // Type
@@ -251,6 +258,45 @@ TEST(TrainConfig, RefusesWithFileKeyValueAndBound) {
       EXPECT_EQ(message.rfind("test: ", 0), 0u) << message;
       EXPECT_TRUE(std::regex_search(message, std::regex(refusal.message)))
           << refusal.put << " gives: " << message;
+    }
+  }
+}
+
+TEST(TrainConfig, PeersAreToldKeysButNoValues) {
+  for (const Refusal& refusal : kRefusals) {
+    try {
+      parse_train_config(with(refusal.found, refusal.put), "test");
+    } catch (const ConfigError& error) {
+      const std::string& told = error.for_peers();
+      EXPECT_EQ(told.rfind("test: ", 0), 0u) << told;
+      EXPECT_FALSE(std::regex_search(told, std::regex("^test: \\S+ = "))) << told;
+    }
+  }
+  for (const std::string yaml : {"secret", "secret: 1", "{secret: 1, secret: 2}", "[secret]",
+                                 "seed: secret", "hidden: secret", "symmetry: {mirror: secret}",
+                                 "symmetry: {canonical: secret}", "*secret", "\"\\secret\""}) {
+    try {
+      parse_train_config(yaml, "test");
+      ADD_FAILURE() << yaml;
+    } catch (const ConfigError& error) {
+      EXPECT_EQ(error.for_peers().find("secret"), std::string::npos) << error.for_peers();
+    }
+  }
+}
+
+TEST(TrainConfig, HostileTextsEndInTime) {
+  std::string bomb = "a0: &a0 [x]\n";
+  for (int i = 1; i < 25; ++i)
+    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [*a" + std::to_string(i - 1) +
+            ", *a" + std::to_string(i - 1) + "]\n";
+  for (const std::string& yaml :
+       {bomb, std::string(60'000, '['), std::string(65'537, 'x'), "a: " + std::string(60'000, '-'),
+        std::string(60'000, '\n') + "seed: 1", "seed: \"" + std::string(60'000, 'x') + "\""}) {
+    try {
+      parse_train_config(yaml, "test");
+      ADD_FAILURE() << yaml.substr(0, 20);
+    } catch (const ConfigError& error) {
+      EXPECT_LT(std::string(error.what()).size(), 300u) << error.what();
     }
   }
 }

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,13 +12,14 @@
 
 #include "threelink_agent/mlp.hpp"
 #include "threelink_sim/environment.hpp"
+#include "threelink_sim/usage_error.hpp"
 
 namespace threelink_agent {
 
 // A file that is no policy, or not one for this swimmer; what() names the file and the reason.
-class PolicyError : public std::runtime_error {
+class PolicyError : public threelink_sim::UsageError {
  public:
-  using std::runtime_error::runtime_error;
+  using UsageError::UsageError;
 };
 
 // Symmetry that the policy uses outside the network.

@@ -16,17 +16,20 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "threelink_sim/usage_error.hpp"
 
 namespace threelink_agent {
 
 // Bytes that are no such file; what() gives the reason, with the tensor and both values if there
-// are two.
-class ContainerError : public std::runtime_error {
+// are two. A peer is told less: a file that does not prove to be ours may be anybody's.
+class ContainerError : public threelink_sim::UsageError {
  public:
-  using std::runtime_error::runtime_error;
+  explicit ContainerError(const std::string& what)
+      : UsageError(what, "is damaged or holds something else; the log of its reader says what") {}
+  using UsageError::UsageError;
 };
 
 enum class Dtype { kF32, kF64, kI64, kU8 };

@@ -5,13 +5,24 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "threelink_sim/excerpt.hpp"
+
 namespace threelink_agent {
 
 using nlohmann::json;
+using threelink_sim::excerpt;
 
 namespace {
 
 std::size_t size_of(Eigen::Index n) { return static_cast<std::size_t>(n); }
+
+// A number as JSON writes it; null if it is none.
+json number_of(const std::string& text) {
+  constexpr std::size_t kMostBytes = 64;
+  if (text.size() > kMostBytes) return {};
+  const json number = json::parse(text, nullptr, false);
+  return number.is_number() ? number : json();
+}
 
 }  // namespace
 
@@ -49,17 +60,19 @@ const std::string& ContainerReader::text(const std::string& key) {
 
 double ContainerReader::number(const std::string& key) {
   const std::string& written = text(key);
-  const json number = json::parse(written, nullptr, false);
+  const json number = number_of(written);
   if (!number.is_number() || !std::isfinite(number.get<double>()))
-    throw ContainerError(fmt::format("metadata \"{}\" is \"{}\", not a number", key, written));
+    throw ContainerError(
+        fmt::format("metadata \"{}\" is \"{}\", not a number", key, excerpt(written)));
   return number.get<double>();
 }
 
 std::uint64_t ContainerReader::count(const std::string& key, std::uint64_t most) {
   const std::string& written = text(key);
-  const json number = json::parse(written, nullptr, false);
+  const json number = number_of(written);
   if (!number.is_number())
-    throw ContainerError(fmt::format("metadata \"{}\" is \"{}\", not a number", key, written));
+    throw ContainerError(
+        fmt::format("metadata \"{}\" is \"{}\", not a number", key, excerpt(written)));
   if (!number.is_number_unsigned() || number.get<std::uint64_t>() > most)
     throw ContainerError(
         fmt::format("metadata \"{}\" is {}, not a whole number in [0, {}]", key, written, most));
@@ -111,11 +124,11 @@ std::vector<Linear> ContainerReader::layers(const std::string& prefix, std::vect
 void ContainerReader::finish() const {
   for (const auto& item : container_.metadata)
     if (!keys_.count(item.first))
-      throw ContainerError(fmt::format("metadata \"{}\" is not known", item.first));
+      throw ContainerError(fmt::format("metadata \"{}\" is not known", excerpt(item.first)));
   for (const auto& [name, tensor] : container_.tensors)
     if (!names_.count(name))
       throw ContainerError(
-          fmt::format("{} of shape {} is not known", name, to_string(tensor.shape)));
+          fmt::format("{} of shape {} is not known", excerpt(name), to_string(tensor.shape)));
 }
 
 }  // namespace threelink_agent

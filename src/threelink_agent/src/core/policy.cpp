@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "policy_file.hpp"
-#include "threelink_sim/files.hpp"
 #include "threelink_agent/symmetry.hpp"
 #include "threelink_sim/environment.hpp"
+#include "threelink_sim/files.hpp"
 #include "threelink_sim/isa.hpp"
 #include "threelink_sim/random.hpp"
 
@@ -96,9 +96,6 @@ Policy Policy::load(const std::string& path) {
 }
 
 Policy Policy::parse(const std::string& bytes, const std::string& source) {
-  const auto refuse = [&](const std::exception& error) {
-    return PolicyError(fmt::format("{}: {}", source, error.what()));
-  };
   try {
     std::string data_hash;
     PolicyParts parts = from_container(parse_container(bytes, data_hash));
@@ -109,9 +106,10 @@ Policy Policy::parse(const std::string& bytes, const std::string& source) {
     policy.sha256_ = data_hash;
     return policy;
   } catch (const ContainerError& error) {
-    throw refuse(error);
+    throw threelink_sim::within<PolicyError>(source, error);
   } catch (const PolicyError& error) {
-    throw refuse(error);
+    throw PolicyError(fmt::format("{}: {}", source, error.what()),
+                      source + ": is no policy that can be used; the log of its reader says why");
   }
 }
 

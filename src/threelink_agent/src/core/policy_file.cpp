@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "threelink_agent/container_fields.hpp"
+#include "threelink_sim/excerpt.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -13,14 +14,15 @@ constexpr char kLogStd[] = "log_std";
 
 bool sampled_from_string(const std::string& name) {
   if (name != "mean" && name != "sampled")
-    throw std::invalid_argument(
-        fmt::format("actions \"{}\": must be \"mean\" or \"sampled\"", name));
+    throw std::invalid_argument(fmt::format("actions \"{}\": must be \"mean\" or \"sampled\"",
+                                            threelink_sim::excerpt(name)));
   return name == "sampled";
 }
 
 PolicyMetadata metadata_of(ContainerReader& reader) {
   if (reader.text("format") != kFormat)
-    throw PolicyError(fmt::format("format \"{}\": must be \"{}\"", reader.text("format"), kFormat));
+    throw PolicyError(fmt::format("format \"{}\": must be \"{}\"",
+                                  threelink_sim::excerpt(reader.text("format")), kFormat));
   PolicyMetadata metadata;
   metadata.action = reader.text("action");
   metadata.links = static_cast<int>(reader.count("links", 1'000'000));

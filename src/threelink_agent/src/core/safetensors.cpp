@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "threelink_agent/sha256.hpp"
+#include "threelink_sim/excerpt.hpp"
+#include "threelink_sim/json.hpp"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "safetensors files are little-endian; this code copies memory as it is"
@@ -19,6 +21,8 @@ namespace threelink_agent {
 namespace {
 
 using nlohmann::json;
+using threelink_sim::excerpt;
+using threelink_sim::json_excerpt;
 
 constexpr std::size_t kLengthBytes = 8;
 constexpr char kMetadata[] = "__metadata__";
@@ -52,15 +56,16 @@ constexpr Dtype dtype_of() {
 
 const json& member(const json& object, const char* key, const std::string& name) {
   const auto found = object.find(key);
-  if (found == object.end()) throw ContainerError(fmt::format("{} has no \"{}\"", name, key));
+  if (found == object.end())
+    throw ContainerError(fmt::format("{} has no \"{}\"", excerpt(name), key));
   return *found;
 }
 
 // A whole number in [0, max].
 std::size_t size_of(const json& value, std::size_t max, const std::string& name) {
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > max)
-    throw ContainerError(
-        fmt::format("{} is {}, not a whole number in [0, {}]", name, value.dump(), max));
+    throw ContainerError(fmt::format("{} is {}, not a whole number in [0, {}]", excerpt(name),
+                                     json_excerpt(value), max));
   return value.get<std::size_t>();
 }
 
@@ -74,19 +79,20 @@ struct Place {
 
 Place parse_place(const std::string& name, const json& value, std::size_t data_bytes) {
   if (!value.is_object() || value.size() != 3)
-    throw ContainerError(name + ": its entry is not {dtype, shape, data_offsets}");
+    throw ContainerError(excerpt(name) + ": its entry is not {dtype, shape, data_offsets}");
   Place place{name, {}, {}, 0, 0};
   const json& dtype = member(value, "dtype", name);
   const auto known = std::find_if(std::begin(kDtypes), std::end(kDtypes),
                                   [&](const DtypeEntry& e) { return dtype == e.name; });
   if (known == std::end(kDtypes))
-    throw ContainerError(
-        fmt::format("{} has dtype {}, not F32, F64, I64 or U8", name, dtype.dump()));
+    throw ContainerError(fmt::format("{} has dtype {}, not F32, F64, I64 or U8", excerpt(name),
+                                     json_excerpt(dtype)));
   place.dtype = known->dtype;
 
   const json& shape = member(value, "shape", name);
   if (!shape.is_array() || shape.size() > kMaxRank)
-    throw ContainerError(fmt::format("{}: shape is not a list of at most {}", name, kMaxRank));
+    throw ContainerError(
+        fmt::format("{}: shape is not a list of at most {}", excerpt(name), kMaxRank));
   std::size_t bytes = known->size;
   for (const json& size : shape) {
     // Sizes of at most 2^26 and products checked at each step: nothing overflows.
@@ -94,16 +100,17 @@ Place parse_place(const std::string& name, const json& value, std::size_t data_b
     bytes *= place.shape.back();
     if (bytes > data_bytes)
       throw ContainerError(fmt::format("{} of shape {} is larger than the data part of {} bytes",
-                                       name, shape.dump(), data_bytes));
+                                       excerpt(name), json_excerpt(shape), data_bytes));
   }
   const json& offsets = member(value, "data_offsets", name);
   if (!offsets.is_array() || offsets.size() != 2)
-    throw ContainerError(name + ": data_offsets is not [begin, end]");
+    throw ContainerError(excerpt(name) + ": data_offsets is not [begin, end]");
   place.begin = size_of(offsets[0], data_bytes, name + ": the begin of its data");
   place.end = size_of(offsets[1], data_bytes, name + ": the end of its data");
   if (place.end < place.begin || place.end - place.begin != bytes)
     throw ContainerError(fmt::format("{} of shape {} has data from {} to {}, expected {} bytes",
-                                     name, to_string(place.shape), place.begin, place.end, bytes));
+                                     excerpt(name), to_string(place.shape), place.begin, place.end,
+                                     bytes));
   return place;
 }
 
@@ -112,7 +119,7 @@ std::map<std::string, std::string> parse_metadata(const json& value) {
   std::map<std::string, std::string> metadata;
   for (const auto& item : value.items()) {
     if (!item.value().is_string())
-      throw ContainerError(fmt::format("metadata \"{}\" is not text", item.key()));
+      throw ContainerError(fmt::format("metadata \"{}\" is not text", excerpt(item.key())));
     metadata[item.key()] = item.value().get<std::string>();
   }
   return metadata;
@@ -133,7 +140,8 @@ std::string take_hash(std::map<std::string, std::string>& metadata, const char* 
 void check_hash(const char* what, const std::string& stated, const std::string& actual) {
   if (stated != actual)
     throw ContainerError(
-        fmt::format("damaged: the {} has sha256 {}, but the file states {}", what, actual, stated));
+        fmt::format("damaged: the {} has sha256 {}, but the file states {}", what, actual, stated),
+        fmt::format("damaged: the {} has another sha256 than the file states", what));
 }
 
 void check_header_hash(std::string header, const std::string& stated) {
@@ -142,6 +150,37 @@ void check_header_hash(std::string header, const std::string& stated) {
     throw ContainerError("the digits of header_sha256 are not there exactly once");
   header.replace(at, stated.size(), kZeroHash);
   check_hash("header", stated, sha256(header));
+}
+
+// The JSON header, of a length that stands in front of it.
+std::string header_of(const std::string& bytes) {
+  std::string reason = fmt::format("{} bytes are too few for one", bytes.size());
+  if (bytes.size() >= kLengthBytes) {
+    std::uint64_t length;
+    std::memcpy(&length, bytes.data(), kLengthBytes);
+    const std::size_t rest = bytes.size() - kLengthBytes;
+    if (length <= std::min(rest, kMaxHeaderBytes) && length > 0 && bytes[kLengthBytes] == '{')
+      return bytes.substr(kLengthBytes, length);
+    reason = length > rest || length > kMaxHeaderBytes
+                 ? fmt::format(
+                       "the header would have {} bytes, but only {} follow and {} are "
+                       "allowed",
+                       length, rest, kMaxHeaderBytes)
+                 : "its header is not a JSON object";
+  }
+  const std::string mistaken = threelink_sim::mistaken_format(bytes);
+  if (!mistaken.empty()) throw ContainerError(mistaken, mistaken);
+  const std::string none = "is not a safetensors file";
+  throw ContainerError(none + ": " + reason, none);
+}
+
+json parse_header(const std::string& text) {
+  constexpr std::size_t kMostValues = 20'000;
+  try {
+    return threelink_sim::parse_json(text, kMostValues);
+  } catch (const threelink_sim::FormatError& error) {
+    throw ContainerError(fmt::format("the header {}", error.what()));
+  }
 }
 
 }  // namespace
@@ -206,8 +245,8 @@ SerializedContainer serialize(const Container& container) {
   std::string text;
   try {
     text = header.dump();
-  } catch (const json::exception& error) {
-    throw ContainerError(fmt::format("metadata: {}", error.what()));
+  } catch (const json::exception&) {
+    throw ContainerError("metadata that is not UTF-8 text");
   }
   text.resize((text.size() + 7) / 8 * 8, ' ');
   if (text.size() > kMaxHeaderBytes ||
@@ -229,19 +268,10 @@ Container parse_container(const std::string& bytes, std::string& data_hash) {
   if (bytes.size() > kMaxContainerBytes)
     throw ContainerError(
         fmt::format("{} bytes, at most {} are allowed", bytes.size(), kMaxContainerBytes));
-  if (bytes.size() < kLengthBytes)
-    throw ContainerError(fmt::format("{} bytes are too few for a file", bytes.size()));
-  std::uint64_t length;
-  std::memcpy(&length, bytes.data(), kLengthBytes);
-  const std::size_t rest = bytes.size() - kLengthBytes;
-  if (length > std::min(rest, kMaxHeaderBytes))
-    throw ContainerError(fmt::format("a header of {} bytes, but only {} follow and {} are allowed",
-                                     length, rest, kMaxHeaderBytes));
-  const std::string text = bytes.substr(kLengthBytes, length);
-  const std::string data = bytes.substr(kLengthBytes + length);
+  const std::string text = header_of(bytes);
+  const std::string data = bytes.substr(kLengthBytes + text.size());
 
-  const json header = json::parse(text, nullptr, false);
-  if (!header.is_object()) throw ContainerError("the header is not a JSON object");
+  const json header = parse_header(text);
   Container container;
   container.metadata = parse_metadata(member(header, kMetadata, "the header"));
   data_hash = take_hash(container.metadata, kDataHash);
@@ -257,8 +287,8 @@ Container parse_container(const std::string& bytes, std::string& data_hash) {
   std::size_t end = 0;
   for (Place& place : places) {
     if (place.begin != end)
-      throw ContainerError(
-          fmt::format("{} has data from {}, expected from {}", place.name, place.begin, end));
+      throw ContainerError(fmt::format("{} has data from {}, expected from {}", excerpt(place.name),
+                                       place.begin, end));
     end = place.end;
     container.tensors[place.name] = {place.dtype, std::move(place.shape),
                                      data.substr(place.begin, place.end - place.begin)};

@@ -130,10 +130,11 @@ bool Agent::replace(const std::string& source, Load load, std::string& status) {
       put_in_use(std::move(policy), source);
   } catch (const PolicyError& error) {
     ++refused_policies_;
-    refused_policy_ = error.what();
+    ROS_ERROR("refused: %s; policy %s from %s stays", error.what(), policy_.id().c_str(),
+              source_.c_str());
+    refused_policy_ = error.for_peers();
     status =
-        fmt::format("refused: {}; policy {} from {} stays", error.what(), policy_.id(), source_);
-    ROS_ERROR("%s", status.c_str());
+        fmt::format("refused: {}; policy {} from {} stays", refused_policy_, policy_.id(), source_);
     return false;
   }
   ++loaded_policies_;

@@ -105,8 +105,9 @@ RunSettings TrainingServer::settings_of(const TrainGoal& goal) const {
 
 std::function<void()> TrainingServer::train(Goal goal) {
   bool accepted = false;
-  const auto fail = [&](const std::string& reason) {
-    ROS_ERROR("%s", reason.c_str());
+  const auto fail = [&](const std::string& prefix, const std::exception& error) {
+    ROS_ERROR("%s%s", prefix.c_str(), error.what());
+    const std::string reason = prefix + threelink_sim::text_for_peers(error);
     return [goal, accepted, reason]() mutable {
       if (accepted) {
         goal.setAborted(result(Result::FAILED, reason), reason);
@@ -158,9 +159,9 @@ std::function<void()> TrainingServer::train(Goal goal) {
       }
     };
   } catch (const RunFolderError& error) {
-    return fail(std::string("out ") + error.what());
+    return fail("out ", error);
   } catch (const std::exception& error) {
-    return fail(error.what());
+    return fail("", error);
   }
 }
 

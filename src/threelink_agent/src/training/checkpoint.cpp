@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "threelink_agent/container_fields.hpp"
+#include "threelink_sim/excerpt.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -74,8 +75,8 @@ void check_config(const std::string& yaml, const TrainConfig& config) {
 Checkpoint read(const Container& container, const TrainConfig& config) {
   ContainerReader reader(container, std::numeric_limits<float>::max());
   if (reader.text("format") != kFormat)
-    throw ContainerError(
-        fmt::format("format \"{}\": must be \"{}\"", reader.text("format"), kFormat));
+    throw ContainerError(fmt::format("format \"{}\": must be \"{}\"",
+                                     threelink_sim::excerpt(reader.text("format")), kFormat));
   Checkpoint checkpoint;
   checkpoint.config = config;
   TrainerState& state = checkpoint.state;

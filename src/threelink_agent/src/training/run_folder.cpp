@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "threelink_agent/safetensors.hpp"
+#include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/files.hpp"
 
 namespace threelink_agent {
@@ -75,7 +76,9 @@ RunFolder::RunFolder(const fs::path& path, Opening opening, const TrainConfig& c
   if (const auto difference = first_difference(config, begun))
     throw RunFolderError(
         fmt::format("{}: {} = {}, but this run has {}; it can only be resumed as it began",
-                    path.string(), difference->key, difference->a, difference->b));
+                    path.string(), difference->key, difference->a, difference->b),
+        fmt::format("{}: this run has another {}; it can only be resumed as it began",
+                    path.string(), difference->key));
   find_checkpoint();
 }
 
@@ -103,14 +106,16 @@ void RunFolder::find_checkpoint() {
   }
   if (!checkpoint_ && !found.empty())
     throw RunFolderError(fmt::format("{}: no checkpoint can be used: {}", path_.string(),
-                                     fmt::join(warnings_, "; ")));
+                                     fmt::join(warnings_, "; ")),
+                         path_.string() + ": no checkpoint can be used");
   if (!checkpoint_ && fs::exists(policy_path()))
     throw RunFolderError(
         fmt::format("{}: holds a policy, but no checkpoint from which to resume", path_.string()));
   if (checkpoint_ && checkpoint_->backend != backend_)
     throw RunFolderError(
         fmt::format("{}: --backend {}, but this run has {}; they differ in the last bits",
-                    path_.string(), backend_, checkpoint_->backend));
+                    path_.string(), backend_, threelink_sim::excerpt(checkpoint_->backend)),
+        path_.string() + ": this run has another backend");
 }
 
 void RunFolder::begin() {

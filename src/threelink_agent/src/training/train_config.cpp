@@ -11,7 +11,8 @@ namespace {
 
 template <class Number>
 [[noreturn]] void refuse(const char* key, Number value, const std::string& bound) {
-  throw ConfigError(fmt::format("{} = {}: must be {}", key, value, bound));
+  throw ConfigError(fmt::format("{} = {}: must be {}", key, value, bound),
+                    fmt::format("{}: must be {}", key, bound));
 }
 
 void check_count(const char* key, std::uint32_t value, std::uint32_t most) {
@@ -28,7 +29,7 @@ void TrainConfig::validate() const {
   try {
     environment.validate();
   } catch (const std::invalid_argument& error) {
-    throw ConfigError(fmt::format("environment.{}", error.what()));
+    throw ConfigError(fmt::format("environment.{}", error.what()), "environment: out of bounds");
   }
   check_count("environment.steps", environment.steps, 1'000'000);
 

@@ -9,17 +9,20 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <yaml-cpp/yaml.h>
 
 #include "threelink_agent/training/train_config.hpp"
+#include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/files.hpp"
 #include "threelink_sim/nearest_name.hpp"
 #include "threelink_sim/parameter_map.hpp"
+#include "threelink_sim/yaml.hpp"
 
 namespace threelink_agent {
 namespace {
 
-constexpr std::size_t kMostBytes = 65536;  // of a file
+using threelink_sim::excerpt;
+
+constexpr threelink_sim::YamlLimits kLimits{65536, 1000};
 
 // The keys, dots for nesting, each with the field that it sets.
 template <class Config, class Visitor>
@@ -71,12 +74,11 @@ using Leaves = std::map<std::string, YAML::Node>;
 
 void flatten(const YAML::Node& map, const std::string& prefix, Leaves& leaves) {
   for (const auto& entry : map) {
-    if (!entry.first.IsScalar()) throw ConfigError(prefix + "...: a key must be a word");
     const std::string key = prefix + entry.first.Scalar();
     if (entry.second.IsMap()) {
       flatten(entry.second, key + ".", leaves);
-    } else if (!leaves.emplace(key, entry.second).second) {
-      throw ConfigError(key + ": given twice");
+    } else if (!leaves.emplace(key, entry.second).second) {  // "a.b" beside {a: {b: ..}}
+      throw ConfigError(excerpt(key) + ": given twice", "a key is given twice");
     }
   }
 }
@@ -84,7 +86,13 @@ void flatten(const YAML::Node& map, const std::string& prefix, Leaves& leaves) {
 std::string shown(const YAML::Node& node) {
   std::ostringstream text;
   text << node;
-  return text.str();
+  return excerpt(text.str());
+}
+
+// A value that is not what it must be.
+ConfigError refusal(const std::string& key, const std::string& value, const std::string& reason) {
+  return ConfigError(fmt::format("{} = {}: {}", key, value, reason),
+                     fmt::format("{}: {}", key, reason));
 }
 
 // yaml-cpp converts the contents of quotes too; a quoted number is a string.
@@ -92,7 +100,7 @@ template <class Value>
 Value scalar(const std::string& key, const YAML::Node& node, const char* type) {
   Value value;
   if (!node.IsScalar() || node.Tag() == "!" || !YAML::convert<Value>::decode(node, value))
-    throw ConfigError(fmt::format("{} = {}: must be {}", key, shown(node), type));
+    throw refusal(key, shown(node), fmt::format("must be {}", type));
   return value;
 }
 
@@ -105,7 +113,8 @@ void read(const std::string& key, const YAML::Node& node, double& field) {
   if (text.find('.') == std::string::npos || !signed_exponent)
     throw ConfigError(
         fmt::format("{} = {}: must be a number, but YAML 1.1 takes this for text; write {}", key,
-                    text, threelink_sim::yaml_number(field)));
+                    excerpt(text), threelink_sim::yaml_number(field)),
+        key + ": must be a number, but YAML 1.1 takes this for text");
 }
 
 void read(const std::string& key, const YAML::Node& node, bool& field) {
@@ -119,18 +128,16 @@ std::enable_if_t<std::is_integral_v<Integer>> read(const std::string& key, const
   const auto value = scalar<std::int64_t>(key, node, "a whole number below 2^63");
   const std::string& text = node.Scalar();
   if (text.size() > 1 && (text[0] == '0' || text.find('x') != std::string::npos))
-    throw ConfigError(
-        fmt::format("{} = {}: must be written in decimal, without a 0 in front", key, text));
+    throw refusal(key, excerpt(text), "must be written in decimal, without a 0 in front");
   field = static_cast<Integer>(value);
   if (static_cast<std::int64_t>(field) != value || (std::is_unsigned_v<Integer> && value < 0))
-    throw ConfigError(fmt::format("{} = {}: must be in [{}, {}]", key, value,
-                                  std::numeric_limits<Integer>::min(),
-                                  std::numeric_limits<Integer>::max()));
+    throw refusal(key, fmt::format("{}", value),
+                  fmt::format("must be in [{}, {}]", std::numeric_limits<Integer>::min(),
+                              std::numeric_limits<Integer>::max()));
 }
 
 void read(const std::string& key, const YAML::Node& node, std::vector<int>& field) {
-  if (!node.IsSequence())
-    throw ConfigError(fmt::format("{} = {}: must be a list of whole numbers", key, shown(node)));
+  if (!node.IsSequence()) throw refusal(key, shown(node), "must be a list of whole numbers");
   field.assign(node.size(), 0);
   for (std::size_t i = 0; i < field.size(); ++i)
     read(fmt::format("{}[{}]", key, i), node[i], field[i]);
@@ -142,7 +149,8 @@ auto word(const std::string& key, const YAML::Node& node, Parse parse) {
   try {
     return parse(scalar<std::string>(key, node, "a word"));
   } catch (const std::invalid_argument& error) {
-    throw ConfigError(fmt::format("{} = {}: {}", key, shown(node), error.what()));
+    throw ConfigError(fmt::format("{} = {}: {}", key, shown(node), error.what()),
+                      key + ": must be a word that is known");
   }
 }
 
@@ -175,9 +183,10 @@ TrainConfig read(const YAML::Node& root) {
     }
   });
   if (!leaves.empty())
-    throw ConfigError(fmt::format("{}: unknown key (the nearest known one is {})",
-                                  leaves.begin()->first,
-                                  threelink_sim::nearest_name(leaves.begin()->first, known)));
+    throw ConfigError(
+        fmt::format("{}: unknown key (the nearest known one is {})", excerpt(leaves.begin()->first),
+                    threelink_sim::nearest_name(leaves.begin()->first, known)),
+        "holds a key that is not known");
   if (!missing.empty()) throw ConfigError(missing.front() + ": missing");
   config.validate();
   return config;
@@ -211,17 +220,15 @@ Pairs pairs_of(const TrainConfig& config) {
 
 TrainConfig parse_train_config(const std::string& yaml, const std::string& source) {
   try {
-    return read(YAML::Load(yaml));
-  } catch (const ConfigError& error) {
-    throw ConfigError(source + ": " + error.what());
-  } catch (const YAML::Exception& error) {
-    throw ConfigError(source + ": " + error.what());
+    return read(threelink_sim::parse_yaml(yaml, kLimits));
+  } catch (const threelink_sim::UsageError& error) {
+    throw threelink_sim::within<ConfigError>(source, error);
   }
 }
 
 TrainConfig load_train_config(const std::string& path) {
   try {
-    return parse_train_config(threelink_sim::read_file(path, kMostBytes), path);
+    return parse_train_config(threelink_sim::read_file(path, kLimits.bytes), path);
   } catch (const threelink_sim::FileError& error) {
     throw ConfigError(error.what());
   }

@@ -23,11 +23,21 @@ inline std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+// How far a name is from a known one, "section.key", of which the section may be missing or wrong.
+inline std::size_t name_distance(const std::string& name, const std::string& known) {
+  const auto key = [](const std::string& text) { return text.substr(text.rfind('.') + 1); };
+  const bool has_section = name.find('.') != std::string::npos;
+  return std::min(edit_distance(name, known),
+                  edit_distance(key(name), key(known)) + (has_section ? 3 : 0));
+}
+
 // The nearest of `known`, the first of equals; empty if there is none.
-inline std::string nearest_name(const std::string& name, const std::vector<std::string>& known) {
+inline std::string nearest_name(const std::string& given, const std::vector<std::string>& known) {
+  constexpr std::size_t kLongest = 100;  // no known name is longer, and time grows with the length
+  const std::string name = given.substr(0, kLongest);
   const auto nearest =
       std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-        return edit_distance(name, a) < edit_distance(name, b);
+        return name_distance(name, a) < name_distance(name, b);
       });
   return nearest == known.end() ? "" : *nearest;
 }

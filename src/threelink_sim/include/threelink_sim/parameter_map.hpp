@@ -93,4 +93,7 @@ class ParameterMap {
   std::vector<std::pair<std::string, std::string>> effective_;
 };
 
+// Of a YAML text, as parse_yaml() reads it; throws ParameterError that begins with `scope`.
+ParameterMap parse_parameters(const std::string& scope, const std::string& yaml);
+
 }  // namespace threelink_sim

@@ -13,7 +13,8 @@ namespace threelink_sim {
 // displacement, rotation, work, speed, power, efficiency: docs/strokes.md describes each.
 nlohmann::json stroke_to_json(const Stroke& stroke, const SwimmerState& start);
 
-// Throws UsageError that names file, field and what is wrong.
+// Both throw UsageError that names the field and what is wrong, load_stroke() the file, too.
+Stroke parse_stroke(const std::string& text);
 Stroke load_stroke(const std::string& path);
 
 // `rates` of stroke_to_json(): one row a piece, one column a hinge, 17 significant digits, no

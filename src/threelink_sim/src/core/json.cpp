@@ -69,7 +69,7 @@ class Checker {
     if (error.id == kOutOfRange)
       throw FormatError(fmt::format("{}: the number {} is too large", where, excerpt(last)),
                         where + ": a number is too large");
-    const bool cut = text_.find_last_not_of(" \t\r\n") + 1 < at && last.size() <= 1;
+    const bool cut = at > text_.size();
     throw FormatError(fmt::format("is not JSON: {}{}", where, cut ? ", where the text ends" : ""));
   }
 

@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/nearest_name.hpp"
+#include "threelink_sim/yaml.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -19,6 +21,7 @@ enum class Type { kBool, kInt, kDouble, kString, kList, kDictionary, kOther };
 
 // A word without quotes as a number, all of it; nothing if it is none.
 std::optional<long> as_whole(const std::string& word) {
+  if (word.find_first_not_of("0123456789+-") != std::string::npos) return {};
   char* end = nullptr;
   errno = 0;
   const long number = std::strtol(word.c_str(), &end, 10);
@@ -54,11 +57,11 @@ std::string describe(const YAML::Node& value) {
     case Type::kBool:
       return value.Scalar() + " (bool)";
     case Type::kInt:
-      return value.Scalar() + " (int)";
+      return excerpt(value.Scalar()) + " (int)";
     case Type::kDouble:
       return fmt::format("{:.10g} (double)", *as_real(value.Scalar()));
     case Type::kString:
-      return fmt::format("\"{}\" (string)", value.Scalar());
+      return fmt::format("\"{}\" (string)", excerpt(value.Scalar()));
     case Type::kList:
       return "a list";
     case Type::kDictionary:
@@ -187,7 +190,8 @@ ParameterMap::Points ParameterMap::points(
     try {
       points = from_text(value.Scalar());
     } catch (const UsageError& error) {
-      refuse(name, error.what());
+      throw within<ParameterError>(fmt::format("{}/{} = {}", scope_, name, describe(values_[name])),
+                                   error);
     }
   } else if (type_of(value) != Type::kList) {
     refuse(name, "must be a list of pairs [x, y], or a file of them");
@@ -210,12 +214,21 @@ void ParameterMap::finish() const {
   for (const auto& item : values_) {
     const std::string name = item.first.IsScalar() ? item.first.Scalar() : "";
     if (!given.insert(name).second)
-      throw ParameterError(fmt::format("{}/{}: given twice", scope_, name));
+      throw ParameterError(fmt::format("{}/{}: given twice", scope_, excerpt(name)));
     if (known_.count(name)) continue;
-    if (known_.empty()) throw ParameterError(fmt::format("{}/{}: no such parameter", scope_, name));
+    if (known_.empty())
+      throw ParameterError(fmt::format("{}/{}: no such parameter", scope_, excerpt(name)));
     throw ParameterError(fmt::format("{}/{}: no such parameter; the nearest one is {}/{}", scope_,
-                                     name, scope_,
+                                     excerpt(name), scope_,
                                      nearest_name(name, {known_.begin(), known_.end()})));
+  }
+}
+
+ParameterMap parse_parameters(const std::string& scope, const std::string& yaml) {
+  try {
+    return ParameterMap(scope, parse_yaml(yaml));
+  } catch (const FormatError& error) {
+    throw within<ParameterError>(scope, error);
   }
 }
 

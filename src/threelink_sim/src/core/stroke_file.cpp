@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "threelink_sim/parameter_map.hpp"
+#include "threelink_sim/files.hpp"
+#include "threelink_sim/json.hpp"
+#include "threelink_sim/usage_error.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -18,27 +20,36 @@ constexpr char kFormat[] = "threelink-stroke-1";
 
 std::vector<double> values(const HingeVector& v) { return {v.data(), v.data() + v.size()}; }
 
+// A value that is not what it must be.
+FormatError refusal(const std::string& name, const json& value, const std::string& reason) {
+  return FormatError(fmt::format("{} = {}: {}", name, json_excerpt(value), reason),
+                     fmt::format("{}: {}", name, reason));
+}
+
+const json& member(const json& object, const char* key) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  if (found == object.end()) throw FormatError(fmt::format("has no \"{}\"", key));
+  return *found;
+}
+
 double number(const json& object, const char* key) {
-  const json& value = object.at(key);
-  if (!value.is_number())
-    throw std::invalid_argument(fmt::format("{} = {}: must be a number", key, value.dump()));
+  const json& value = member(object, key);
+  if (!value.is_number()) throw refusal(key, value, "must be a number");
   return value;
 }
 
 int links_of(const json& object) {
-  constexpr int kMost = kMaxHinges + 1;
   const double value = number(object, "links");
-  if (!(value >= 2 && value <= kMost && value == std::floor(value)))
-    throw std::invalid_argument(
-        fmt::format("links = {}: must be a whole number in [2, {}]", value, kMost));
+  if (!(value >= 2 && value <= kMaxLinks && value == std::floor(value)))
+    throw refusal("links", object["links"],
+                  fmt::format("must be a whole number in [2, {}]", kMaxLinks));
   return static_cast<int>(value);
 }
 
 HingeVector hinges(const json& list, const std::string& name) {
   if (!list.is_array() || list.size() > kMaxHinges ||
       !std::all_of(list.begin(), list.end(), [](const json& value) { return value.is_number(); }))
-    throw std::invalid_argument(fmt::format("{}: {}: must be a list of numbers, {} at most", name,
-                                            list.dump(), kMaxHinges));
+    throw refusal(name, list, fmt::format("must be a list of numbers, {} at most", kMaxHinges));
   const auto v = list.get<std::vector<double>>();
   return HingeVector::Map(v.data(), v.size());
 }
@@ -70,28 +81,35 @@ json stroke_to_json(const Stroke& stroke, const SwimmerState& start) {
           {"efficiency", m.efficiency}};
 }
 
-Stroke load_stroke(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw UsageError(fmt::format("{}: cannot be read", path));
+Stroke parse_stroke(const std::string& text) {
+  const json all = parse_json(text);
+  const json& format = member(all, "format");
+  if (format != kFormat) throw refusal("format", format, fmt::format("must be \"{}\"", kFormat));
+  Stroke stroke;
+  stroke.model.links = links_of(all);
+  stroke.model.gamma = number(all, "gamma");
+  stroke.model.joint_limit = number(all, "joint_limit");
+  stroke.dt = number(all, "dt");
+  stroke.start = hinges(member(member(all, "start"), "alpha"), "start.alpha");
+  const json& rates = member(all, "rates");
+  if (!rates.is_array()) throw refusal("rates", rates, "must be a list of rows");
+  for (const json& row : rates)
+    stroke.rates.push_back(hinges(row, fmt::format("rates, row {}", stroke.pieces() + 1)));
   try {
-    const json all = json::parse(file);
-    if (all.at("format") != kFormat)
-      throw std::invalid_argument(
-          fmt::format("format {}: must be \"{}\"", all["format"].dump(), kFormat));
-    Stroke stroke;
-    stroke.model.links = links_of(all);
-    stroke.model.gamma = number(all, "gamma");
-    stroke.model.joint_limit = number(all, "joint_limit");
-    stroke.dt = number(all, "dt");
-    stroke.start = hinges(all.at("start").at("alpha"), "start.alpha");
-    for (const json& row : all.at("rates"))
-      stroke.rates.push_back(hinges(row, fmt::format("rates, row {}", stroke.pieces() + 1)));
     stroke.validate();
-    return stroke;
-  } catch (const json::exception& error) {
-    throw UsageError(fmt::format("{}: {}", path, error.what()));
   } catch (const std::invalid_argument& error) {
-    throw UsageError(fmt::format("{}: {}", path, error.what()));
+    throw FormatError(error.what(), "is no stroke of this swimmer");
+  }
+  return stroke;
+}
+
+Stroke load_stroke(const std::string& path) {
+  constexpr std::size_t kMostBytes = std::size_t{16} << 20;
+  const std::string text = read_input(path, kMostBytes);
+  try {
+    return parse_stroke(text);
+  } catch (const UsageError& error) {
+    throw within(path, error);
   }
 }
 

@@ -50,6 +50,11 @@ class Checker : public YAML::EventHandler {
   }
   void OnMapEnd() override { open_.pop_back(); }
 
+  // At the end, since the library takes a bracket that is never closed for the start of a key.
+  void finish() const {
+    if (!odd_key_.is_null()) refuse(odd_key_, "a key must be a word");
+  }
+
  private:
   // A map or list that has begun.
   struct Collection {
@@ -74,8 +79,11 @@ class Checker : public YAML::EventHandler {
     map.key_is_next = !map.key_is_next;
   }
 
-  static void add_key(const YAML::Mark& mark, const std::string* word, Collection& map) {
-    if (!word) refuse(mark, "a key must be a word");
+  void add_key(const YAML::Mark& mark, const std::string* word, Collection& map) {
+    if (!word) {
+      if (odd_key_.is_null()) odd_key_ = mark;
+      return;
+    }
     if (map.keys.insert(*word).second) return;
     throw FormatError(fmt::format("{}: {}: given twice", position(mark), excerpt(*word)),
                       position(mark) + ": a key is given twice");
@@ -88,6 +96,7 @@ class Checker : public YAML::EventHandler {
   }
 
   std::size_t max_nodes_, nodes_ = 0;
+  YAML::Mark odd_key_ = YAML::Mark::null_mark();
   int documents_ = 0;
   std::vector<Collection> open_;
 };
@@ -123,6 +132,7 @@ YAML::Node parse_yaml(const std::string& text, const YamlLimits& limits) {
     Checker checker(limits.nodes);
     while (parser.HandleNextDocument(checker)) {
     }
+    checker.finish();
     return YAML::Load(text);
   } catch (const YAML::Exception& error) {
     // Some of the library's reasons quote the text.

@@ -1,6 +1,9 @@
 #include "threelink_sim/node/parameters.hpp"
 
+#include <fmt/format.h>
 #include <ros/param.h>
+
+#include "threelink_sim/yaml.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -8,7 +11,9 @@ namespace {
 using XmlRpc::XmlRpcValue;
 
 // The getters of XmlRpcValue are not const.
-YAML::Node to_yaml(XmlRpcValue value) {
+YAML::Node to_yaml(XmlRpcValue value, const std::string& scope, std::size_t depth = 0) {
+  if (depth > kMaxYamlDepth)
+    throw ParameterError(fmt::format("{}: nested more than {} deep", scope, kMaxYamlDepth));
   YAML::Node node;
   switch (value.getType()) {
     case XmlRpcValue::TypeBoolean:
@@ -26,11 +31,11 @@ YAML::Node to_yaml(XmlRpcValue value) {
       break;
     case XmlRpcValue::TypeArray:
       node = YAML::Node(YAML::NodeType::Sequence);
-      for (int i = 0; i < value.size(); ++i) node.push_back(to_yaml(value[i]));
+      for (int i = 0; i < value.size(); ++i) node.push_back(to_yaml(value[i], scope, depth + 1));
       break;
     case XmlRpcValue::TypeStruct:
       node = YAML::Node(YAML::NodeType::Map);
-      for (auto& item : value) node[item.first] = to_yaml(item.second);
+      for (auto& item : value) node[item.first] = to_yaml(item.second, scope, depth + 1);
       break;
     default:
       break;
@@ -50,6 +55,6 @@ Parameters::Parameters(const ros::NodeHandle& private_handle)
     : Parameters(private_handle.getNamespace(), values_under(private_handle.getNamespace())) {}
 
 Parameters::Parameters(const std::string& scope, const XmlRpcValue& values)
-    : ParameterMap(scope, to_yaml(values)) {}
+    : ParameterMap(scope, to_yaml(values, scope)) {}
 
 }  // namespace threelink_sim

@@ -13,6 +13,8 @@ namespace threelink_tasks {
 //   YAML  (a name in .yaml or .yml) a list of pairs, "- [x, y]" for each point
 // Throws threelink_sim::UsageError that names file, line, what is there and what should be.
 std::vector<Eigen::Vector2d> read_point_file(const std::string& path);
+// The same of a text; `path` says of what kind, and is named in errors.
+std::vector<Eigen::Vector2d> parse_points(const std::string& text, const std::string& path);
 
 constexpr std::size_t kMaxPoints = 10000;
 

@@ -1,46 +1,43 @@
 #include "threelink_tasks/point_file.hpp"
 
-#include <cerrno>
-#include <cmath>
-#include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
+#include "threelink_sim/csv.hpp"
+#include "threelink_sim/excerpt.hpp"
+#include "threelink_sim/files.hpp"
+#include "threelink_sim/yaml.hpp"
 #include "threelink_tasks/basic_task.hpp"
 
 namespace threelink_tasks {
 namespace {
 
+using threelink_sim::CsvRow;
+using threelink_sim::parse_csv;
 using threelink_sim::UsageError;
 
-// The number that is all of the text but for blanks around it.
-std::optional<double> number(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string::npos) return {};
-  const std::string word = text.substr(first, text.find_last_not_of(" \t\r") + 1 - first);
-  if (word.find_first_not_of("0123456789.eE+-") != std::string::npos) return {};
-  char* end = nullptr;
-  const double value = std::strtod(word.c_str(), &end);
-  if (end != word.c_str() + word.size()) return {};
-  return value;
-}
+constexpr std::size_t kMaxPointFileBytes = std::size_t{1} << 20;
 
+// Of coordinates as they stand in a file.
 class PointList {
  public:
   explicit PointList(const std::string& path) : path_(path) {}
 
-  [[noreturn]] void refuse(int line, const std::string& reason) const {
-    throw UsageError(fmt::format("{}:{}: {}", path_, line, reason));
+  [[noreturn]] void refuse(std::size_t line, const std::string& quoted,
+                           const std::string& reason) const {
+    throw UsageError(fmt::format("{}:{}: {}{}", path_, line, quoted, reason),
+                     fmt::format("{}:{}: {}", path_, line, reason));
   }
 
-  void add(int line, const std::string& x, const std::string& y) {
-    const double first = coordinate(line, x);
-    points_.emplace_back(first, coordinate(line, y));
-    if (points_.size() > kMaxPoints) refuse(line, fmt::format("more than {} points", kMaxPoints));
+  void add(std::size_t line, double x, double y) {
+    for (double value : {x, y})
+      if (!(value >= kPosition.low && value <= kPosition.high))
+        refuse(line, fmt::format("{} ", value),
+               fmt::format("must be in [{}, {}]", kPosition.low, kPosition.high));
+    if (points_.size() == kMaxPoints)
+      refuse(line, "", fmt::format("more than {} points", kMaxPoints));
+    points_.emplace_back(x, y);
   }
 
   std::vector<Eigen::Vector2d> take() {
@@ -49,60 +46,57 @@ class PointList {
   }
 
  private:
-  double coordinate(int line, const std::string& text) const {
-    const std::optional<double> value = number(text);
-    if (!value) refuse(line, fmt::format("\"{}\" is no number", text));
-    if (!(*value >= kPosition.low && *value <= kPosition.high))
-      refuse(line, fmt::format("{} must be in [{}, {}]", text, kPosition.low, kPosition.high));
-    return *value;
-  }
-
   std::string path_;
   std::vector<Eigen::Vector2d> points_;
 };
 
-void read_csv(std::istream& file, PointList& points) {
-  std::string text;
-  for (int line = 1; std::getline(file, text); ++line) {
-    if (text.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const std::size_t comma = text.find(',');
-    if (comma == std::string::npos || text.find(',', comma + 1) != std::string::npos)
-      points.refuse(line, fmt::format("\"{}\" must be \"x,y\"", text));
-    points.add(line, text.substr(0, comma), text.substr(comma + 1));
-  }
+void read_csv(const std::string& text, const std::string& path, PointList& points) {
+  constexpr bool kSkipBlankLines = true;
+  for (const CsvRow& row : parse_csv(text, path, {2, kMaxPoints + 1, kSkipBlankLines}))
+    points.add(row.line, row.values[0], row.values[1]);
 }
 
-void read_yaml(std::istream& file, PointList& points) {
-  try {
-    const YAML::Node list = YAML::Load(file);
-    if (!list.IsSequence()) points.refuse(1, "must be a list of pairs [x, y]");
-    for (const YAML::Node& pair : list) {
-      const int line = pair.Mark().line + 1;
-      if (!pair.IsSequence() || pair.size() != 2 || !pair[0].IsScalar() || !pair[1].IsScalar())
-        points.refuse(line, "must be a pair [x, y]");
-      points.add(line, pair[0].Scalar(), pair[1].Scalar());
-    }
-  } catch (const YAML::Exception& error) {
-    points.refuse(error.mark.line + 1, error.msg);
+void read_yaml(const std::string& text, PointList& points) {
+  const YAML::Node list = threelink_sim::parse_yaml(text, {kMaxPointFileBytes, 4 * kMaxPoints});
+  if (!list.IsSequence()) points.refuse(1, "", "must be a list of pairs [x, y]");
+  for (const YAML::Node& pair : list) {
+    const auto line = static_cast<std::size_t>(pair.Mark().line + 1);
+    if (!pair.IsSequence() || pair.size() != 2 || !pair[0].IsScalar() || !pair[1].IsScalar())
+      points.refuse(line, "", "must be a pair [x, y]");
+    const auto coordinate = [&](int i) {
+      const auto value = threelink_sim::decimal_number(pair[i].Scalar());
+      if (!value)
+        points.refuse(line, fmt::format("\"{}\" ", threelink_sim::excerpt(pair[i].Scalar())),
+                      "is no number");
+      return *value;
+    };
+    const double x = coordinate(0);
+    points.add(line, x, coordinate(1));
   }
 }
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> read_point_file(const std::string& path) {
-  std::ifstream file(path);
-  // A folder opens, too; only reading from it fails.
-  if (!file || file.peek() == std::ifstream::traits_type::eof()) {
-    if (file.is_open() && errno == 0) throw UsageError(path + ": holds no point");
-    throw UsageError(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-  }
+std::vector<Eigen::Vector2d> parse_points(const std::string& text, const std::string& path) {
   const auto ends_with = [&](const std::string& ending) {
     return path.size() > ending.size() &&
            path.compare(path.size() - ending.size(), ending.size(), ending) == 0;
   };
   PointList points(path);
-  ends_with(".yaml") || ends_with(".yml") ? read_yaml(file, points) : read_csv(file, points);
+  if (!ends_with(".yaml") && !ends_with(".yml")) {
+    read_csv(text, path, points);
+    return points.take();
+  }
+  try {
+    read_yaml(text, points);
+  } catch (const threelink_sim::FormatError& error) {
+    throw threelink_sim::within(path, error);
+  }
   return points.take();
+}
+
+std::vector<Eigen::Vector2d> read_point_file(const std::string& path) {
+  return parse_points(threelink_sim::read_input(path, kMaxPointFileBytes), path);
 }
 
 }  // namespace threelink_tasks

@@ -51,7 +51,7 @@ void EpisodeServer::play(const RunEpisodeGoal& goal) {
     }
   } catch (const std::exception& error) {
     ROS_ERROR("%s", error.what());
-    failed.reason = error.what();
+    failed.reason = threelink_sim::text_for_peers(error);
     server_.setAborted(failed, failed.reason);
   }
 }
@@ -60,12 +60,9 @@ Assignment EpisodeServer::assignment(const RunEpisodeGoal& goal) const {
   Assignment wanted = config_.assignment;
   wanted.seed = goal.seed;
   if (!goal.policy.empty()) wanted.policy = PolicyInfo::of(goal.policy);
-  try {
-    threelink_sim::ParameterMap parameters("parameters", YAML::Load(goal.parameters));
-    assign_task(goal.task, parameters, config_.player.simulator.environment.dt, wanted);
-  } catch (const YAML::Exception& error) {
-    throw std::runtime_error(fmt::format("parameters: no YAML: {}", error.what()));
-  }
+  threelink_sim::ParameterMap parameters =
+      threelink_sim::parse_parameters("parameters", goal.parameters);
+  assign_task(goal.task, parameters, config_.player.simulator.environment.dt, wanted);
   return wanted;
 }
 

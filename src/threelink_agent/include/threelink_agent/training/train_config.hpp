@@ -3,20 +3,21 @@
 
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "threelink_agent/policy.hpp"
 #include "threelink_agent/training/homing.hpp"
 #include "threelink_sim/environment.hpp"
+#include "threelink_sim/usage_error.hpp"
 
 namespace threelink_agent {
 
-// A configuration that cannot be used; what() names the file, the key, its value and the bound.
-class ConfigError : public std::runtime_error {
+// A configuration that cannot be used; what() names the file, the key, its value and the bound. A
+// peer is told no value.
+class ConfigError : public threelink_sim::UsageError {
  public:
-  using std::runtime_error::runtime_error;
+  using UsageError::UsageError;
 };
 
 struct TrainConfig {
