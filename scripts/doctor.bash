@@ -163,6 +163,7 @@ check_master() {
     problem ROS_MASTER_URI "$uri is not of the form http://HOST:PORT"
     return
   fi
+  # shellcheck disable=SC2016 # expanded by that bash
   if ! timeout 2 bash -c 'exec 3<>"/dev/tcp/$0/$1"' "$host" "$port" 2>/dev/null; then
     if [[ -z $uri || $host =~ ^(localhost|127\.) ]]; then
       ok master "none runs on port $port; pursuit starts its own"

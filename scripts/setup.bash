@@ -21,6 +21,7 @@ if [[ -n $ros_prefix ]]; then # its ros-base holds more than Debian's
   # Ubuntu 20.04 has no CLI11: the build gets it.
   if [[ $ros_distro != noetic ]]; then ros_packages+=(libcli11-dev); fi
   rviz_packages=("ros-$ros_distro-rviz" libgl1-mesa-dri)
+  clang_packages=(clang llvm clang-format clang-tidy)     # 10 on Ubuntu 20.04, with its sanitizers
 else # Debian 12 brings ROS 1 itself
   ros_packages=(
     catkin ros-base rosbash                               # catkin_make, roscpp, rospy, rosrun
@@ -39,6 +40,7 @@ else # Debian 12 brings ROS 1 itself
     python3-tf2-ros liburdfdom-tools                      # tests
   )
   rviz_packages=(rviz libgl1-mesa-dri)
+  clang_packages=(clang llvm libclang-rt-dev clang-format clang-tidy)
 fi
 packages=(
   g++ make cmake git                                      # git: bags name the revision
@@ -50,6 +52,7 @@ packages=(
   python3-numpy python3-matplotlib ffmpeg                 # pictures, movies
   iproute2                                                # workers on other machines, tests of them
 )
+check_packages=("${clang_packages[@]}" shellcheck python3-pyflakes) # sanitizers, fuzzers, linters
 if ! getent hosts localhost >/dev/null; then # a machine without /etc/hosts; ROS looks it up
   packages+=(libnss-myhostname)
 fi
