@@ -102,10 +102,12 @@ class StructureTest(unittest.TestCase):
             if skips and re.search(r"\b(unitrun|rosrun)\(", text):
                 self.assertIn("\nimport skips", text, path)
 
-    def test_eigen_is_that_of_ubuntu_20_04(self):
-        # The build takes the iterators away (src/eigen_3_3.hpp); these came with 3.4 as well.
+    def test_libraries_are_those_of_ubuntu_20_04(self):
+        # The build takes Eigen's iterators away (src/eigen_3_3.hpp); these came with 3.4 as well,
+        # ordered_json with nlohmann 3.9, numbers read by from_chars with GCC 11.
         new = re.compile(r"\.reshaped\(|Eigen::(seqN?|all|last|lastp1|indexing)\b|"
-                         r"Eigen::(Vector|RowVector|Matrix|Array)[X234]+<")
+                         r"Eigen::(Vector|RowVector|Matrix|Array)[X234]+<|"
+                         r"\bordered_json\b|\bfrom_chars\b")
         for package in ("threelink_sim", "threelink_agent", "threelink_tasks"):
             for path in files(package, "src", "include"):
                 with open(path) as file:

@@ -120,10 +120,10 @@ std::string blas_name() {
 #endif
 }
 
-nlohmann::ordered_json measure(double seconds) {
-  nlohmann::ordered_json figures;
+nlohmann::json measure(double seconds) {
+  nlohmann::json figures;
   const auto number = [](const std::optional<double>& value) {
-    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+    return value ? nlohmann::json(*value) : nlohmann::json();
   };
   figures["isa"] = threelink_sim::to_string(threelink_sim::isa_in_use());
   figures["blas"] = blas_name();
@@ -136,7 +136,7 @@ nlohmann::ordered_json measure(double seconds) {
   return figures;
 }
 
-void print(const nlohmann::ordered_json& figures) {
+void print(const nlohmann::json& figures) {
   const auto text = [&](const char* key, double unit, const char* name) {
     return figures[key].is_null()
                ? std::string("not in this build")
@@ -171,7 +171,7 @@ int main(int argc, char** argv) {
         ->check(threelink_sim::real_number(0.1, 600.0))
         ->capture_default_str();
     if (!threelink_sim::parse_command_line(app, argc, argv)) return 0;
-    const nlohmann::ordered_json figures = measure(seconds);
+    const nlohmann::json figures = measure(seconds);
     if (as_json)
       fmt::print("{}\n", figures.dump());
     else

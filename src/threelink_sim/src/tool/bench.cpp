@@ -72,10 +72,10 @@ int bench(bool as_json, double seconds, std::size_t lanes) {
   const double scalar = batch_speed(model, 1, seconds);
   const double nine = nine_by_nine_speed(model.gamma, seconds);
   if (as_json) {
-    const nlohmann::ordered_json figures{{"isa", isa},
-                                         {"batch_steps_per_s", batch},
-                                         {"scalar_steps_per_s", scalar},
-                                         {"nine_by_nine_steps_per_s", nine}};
+    const nlohmann::json figures{{"isa", isa},
+                                 {"batch_steps_per_s", batch},
+                                 {"scalar_steps_per_s", scalar},
+                                 {"nine_by_nine_steps_per_s", nine}};
     fmt::print("{}\n", figures.dump());
   } else {
     fmt::print("instruction set                {}\n", isa);
