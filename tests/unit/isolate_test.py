@@ -83,14 +83,21 @@ class IsolateTest(unittest.TestCase):
         simulator = roslib.packages.find_node("threelink_sim", "simulator_node")[0]
         environment = dict(os.environ, ROS_MASTER_URI="http://127.0.0.1:11311", ROS_IP="127.0.0.1")
         environment.pop("ROS_HOSTNAME", None)
-        process = self.start(["sh", "-c", "rosmaster --core -p 11311 & exec " + simulator],
-                             env=environment, start_new_session=True, stdout=subprocess.DEVNULL,
+        graph = ("rosmaster --core -p 11311 & "
+                 "until (exec 3<>/dev/tcp/127.0.0.1/11311) 2>/dev/null; do sleep 0.1; done; exec ")
+        process = self.start(["bash", "-c", graph + simulator], env=environment,
+                             start_new_session=True, stdout=subprocess.DEVNULL,
                              stderr=subprocess.DEVNULL)
+        inside = {}
 
-        def found():  # the master's port, and the node's for topics and for XML-RPC
-            return {} if process.poll() is not None else listeners(process.pid)
-        self.assertTrue(wait(lambda: len(found()) >= 3, 30), found())
-        inside = found()
+        def all_are_there():  # the master's port, and the node's for topics and for XML-RPC
+            self.assertIsNone(process.poll(), "the simulator has ended")
+            if os.path.samefile("/proc/%d/ns/net" % process.pid, "/proc/self/ns/net"):
+                return False  # not yet in there
+            inside.clear()
+            inside.update(listeners(process.pid))
+            return len(inside) >= 3
+        self.assertTrue(wait(all_are_there, 60), inside)
         # The one of the node's XML-RPC server is on all addresses, which ROS_IP does not change.
         self.assertIn("00000000", [address for address, _ in inside.values()])
         self.assertIn(11311, [port for _, port in inside.values()])
