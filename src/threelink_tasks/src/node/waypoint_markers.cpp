@@ -74,7 +74,7 @@ visualization_msgs::MarkerArray waypoint_markers(const std::vector<Eigen::Vector
   }
   if (reached > 0) {
     Marker& ticks = add_marker("ticks", 0, Marker::LINE_LIST);  // rviz's font has none
-    ticks.pose.position.z = metre * kSize;  // above the points
+    ticks.pose.position.z = metre * kSize;                      // above the points
     ticks.scale.x = metre * 2 * kLineWidth;
     ticks.color = colour(0.1F, 0.5F, 0.2F, 1.0F);
     for (std::size_t i = 0; i < std::min<std::size_t>(reached, points.size()); ++i) {

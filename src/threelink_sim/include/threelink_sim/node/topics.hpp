@@ -23,12 +23,12 @@ constexpr char kMarkers[] = "markers";
 constexpr char kSwimmerPath[] = "swimmer_path";
 constexpr char kTargetPath[] = "target_path";
 constexpr char kWaypoints[] = "waypoints";
-constexpr char kTargetMarker[] = "target_marker";    // interactive
-constexpr char kClickedPoint[] = "/clicked_point";   // rviz's "Publish Point"
-constexpr char kRunEpisode[] = "run_episode";        // action
-constexpr char kTrain[] = "train";                   // action
-constexpr char kReset[] = "reset";             // service
-constexpr char kLoadPolicy[] = "load_policy";  // service
+constexpr char kTargetMarker[] = "target_marker";   // interactive
+constexpr char kClickedPoint[] = "/clicked_point";  // rviz's "Publish Point"
+constexpr char kRunEpisode[] = "run_episode";       // action
+constexpr char kTrain[] = "train";                  // action
+constexpr char kReset[] = "reset";                  // service
+constexpr char kLoadPolicy[] = "load_policy";       // service
 
 }  // namespace topics
 
