@@ -212,7 +212,7 @@ class PagesTest(unittest.TestCase):
         def without_simulator(topic, message):
             if topic == "episode":
                 message.config = "{no: simulator}"
-        cases = [(self.path("text.bag"), "not appear to be a bag"),
+        cases = [(self.path("text.bag"), "no bag of format 2.0"),
                  (self.path("cut.bag"), "cut off"),
                  (self.changed("empty.bag", lambda topic, m: topic == "pose"), "no episode"),
                  (self.changed("no_end.bag", lambda topic, m: topic != "episode"), "no episode"),

@@ -2,18 +2,29 @@
 
 Lengths in L (the swimmer's length), times in T0, energies in C_perp L^3 / T0, as in the paper.
 """
+import math
 import os
 
 import numpy as np
-import rosbag
 import yaml
+from geometry_msgs.msg import PointStamped
+from visualization_msgs.msg import MarkerArray
+
+from threelink_msgs.msg import Episode as EpisodeMessage
+from threelink_msgs.msg import SwimmerState
+from threelink_report.bag import BagError, decode, printable, read_messages
 
 SMOOTHING = 71  # positions in one mean, about a stroke
 TRANSLATION = 2.5  # [degrees] |theta_s| up to which the swimmer is in translation, beyond it steers
 OUTCOMES = {0: "not ended", 1: "captured", 2: "not captured (time-out)", 3: "aborted"}
 CAPTURED = 1
-WANTED = ("state", "target", "episode", "waypoints")
+WANTED = {"state": SwimmerState, "target": PointStamped, "episode": EpisodeMessage,
+          "waypoints": MarkerArray}
 DWELL = 10  # states that a target holds for on average, or else it moves
+MOST_STEP = 2 ** 53  # the last whole number that every double holds
+FARTHEST = 1e9  # [L] that anything is away; beyond that, pictures run out of digits
+MOST_LINKS = 1000
+MOST_TEXT, MOST_CONFIG = 300, 2 ** 20  # characters
 
 
 class EpisodeError(ValueError):
@@ -33,13 +44,14 @@ class Episode:
         if not messages["episode"] or not messages["state"]:
             raise EpisodeError("it holds no episode")
         self.name = name
-        self.end = messages["episode"][-1]  # threelink_msgs/Episode: the last word on the episode
+        self.end = shown(messages["episode"][-1])  # the last word on the episode
         self.config = read_config(self.end.config)
         simulator = self.config["simulator"]
         self.dt, self.gamma, self.links = (simulator[key] for key in ("dt", "gamma", "links"))
         states = messages["state"]
-        column = lambda field: np.array([getattr(state, field) for state in states])
-        self.steps = column("step").astype(int)
+        check(states, self.links)
+        column = lambda field: np.array([getattr(state, field) for state in states], float)
+        self.steps = np.array([state.step for state in states], int)
         self.times = self.dt * self.steps
         self.centroids, self.x_1 = column("centroid"), column("x_1")
         self.theta, self.alpha, self.rates = column("theta"), column("alpha"), column("hinge_rates")
@@ -50,6 +62,9 @@ class Episode:
         if self.end.step == self.steps[-1]:
             self.distances[-1] = self.end.distance
         self.waypoints = fixed_points(messages["waypoints"], metre, self.targets)
+        places = np.vstack([self.targets, self.waypoints, self.centroids, self.x_1])
+        if (np.abs(places) > FARTHEST).any() or np.isinf(self.waypoints).any():
+            raise EpisodeError(f"something in it is farther away than {FARTHEST:g} L")
 
     @property
     def captured(self):
@@ -135,34 +150,78 @@ class Motion:
 
 def read_episode(path):
     """The episode of a bag. Raises EpisodeError for a file that is none or holds none."""
+    try:
+        stored = read_messages(path)
+    except BagError as error:
+        raise EpisodeError(error) from None
     messages = {name: [] for name in WANTED}
     try:
-        with rosbag.Bag(path) as bag:
-            topics = [topic for topic in bag.get_type_and_topic_info().topics
-                      if topic.rpartition("/")[2] in WANTED]
-            if topics:  # rosbag takes none for all
-                for topic, message, _ in bag.read_messages(topics):
-                    messages[topic.rpartition("/")[2]].append(message)
+        for message in stored:
+            name = message.topic.rpartition("/")[2]
+            if name in WANTED:
+                messages[name].append(decode(message, WANTED[name]))
         return Episode(os.path.splitext(os.path.basename(path))[0], messages)
-    except rosbag.ROSBagUnindexedException:
-        raise EpisodeError(f"{path}: it is cut off, or was not closed; "
-                           "`rosbag reindex` may mend it") from None
-    except (EpisodeError, rosbag.ROSBagException) as error:
+    except (BagError, EpisodeError) as error:
         raise EpisodeError(f"{path}: {error}") from None
 
 
+def shown(message):
+    """An Episode message with texts that can be shown."""
+    for field in ("task", "reason", "policy_file", "policy_sha256", "revision"):
+        setattr(message, field, printable(getattr(message, field)[:MOST_TEXT]))
+    return message
+
+
+def check(states, links):
+    """Raises EpisodeError unless the states follow each other, with finite numbers, of so many links."""
+    before = -1
+    for state in states:
+        if not before < state.step < MOST_STEP:
+            raise EpisodeError(f"state {state.step} follows state {before}")
+        before = state.step
+        if (len(state.theta), len(state.alpha), len(state.hinge_rates)) != (links, links - 1, links - 1):
+            raise EpisodeError(f"state {state.step} is not of {links} links")
+        numbers = (*state.theta, *state.alpha, *state.hinge_rates, *state.centroid, *state.x_1,
+                   state.power, state.work)
+        if not all(abs(number) <= FARTHEST for number in numbers):
+            raise EpisodeError(f"state {state.step} has a number that none of a swimmer is")
+
+
+class PlainLoader(yaml.SafeLoader):
+    """Takes no aliases, of which a few lines could become any number of nodes."""
+
+    def compose_node(self, parent, index):
+        if self.check_event(yaml.AliasEvent):
+            raise yaml.YAMLError("an alias")
+        return super().compose_node(parent, index)
+
+
 def read_config(text):
+    """{"simulator": {...}, "task": {...}}; the numbers that are relied on are numbers."""
+    wrong = EpisodeError("its episode does not say of what configuration it is")
+    if len(text) > MOST_CONFIG:
+        raise wrong
     try:
-        config = yaml.safe_load(text)
-        config["simulator"]["length_scale"], config["task"]  # what is relied on
-        return config
-    except (yaml.YAMLError, KeyError, TypeError):
-        raise EpisodeError("its episode does not say of what configuration it is") from None
+        config = yaml.load(text, PlainLoader)
+        simulator, task = config["simulator"], config["task"]
+        for key in ("dt", "gamma", "length_scale", "joint_limit"):
+            # YAML 1.1 takes 1e-05 for a string.
+            simulator[key] = float(simulator[key])
+            if not 1e-9 <= simulator[key] <= FARTHEST:
+                raise wrong
+        links = simulator["links"]
+    except (yaml.YAMLError, KeyError, TypeError, ValueError, OverflowError, RecursionError):
+        raise wrong from None
+    if type(links) is not int or not 2 <= links <= MOST_LINKS or not isinstance(task, dict):
+        raise wrong
+    return config
 
 
 def answers(states, targets):
     """(n, 2) [m] the target that answers each state: that of its stamp, or else the one before."""
     points = {target.header.stamp: (target.point.x, target.point.y) for target in targets}
+    if not all(math.isfinite(number) for point in points.values() for number in point):
+        raise EpisodeError("it has a target that is nowhere")
     rows, row = [], (np.nan, np.nan)
     for state in states:
         row = points.get(state.header.stamp, row)

@@ -4,16 +4,16 @@ import numpy as np
 from matplotlib.ticker import StrMethodFormatter
 
 from threelink_report.episode import SMOOTHING, TRANSLATION, Motion
-from threelink_report.style import BODY, STEERING, SWIMMER, TARGET
+from threelink_report.style import BODY, STEERING, SWIMMER, TARGET, plain
 
 SPACING = 1.0  # [L] at least, between the places where the swimmer itself is drawn
 MOST_SHAPES = 12
 
 
 def heading(episode):
-    return (f"{episode.title()}: {episode.outcome}\n"
-            f"t = {episode.times[-1]:.6g} T0, distance {episode.end.distance:.3g} L, "
-            f"mean speed {episode.end.mean_speed:.3g} L/T0")
+    return plain(f"{episode.title()}: {episode.outcome}\n"
+                 f"t = {episode.times[-1]:.6g} T0, distance {episode.end.distance:.3g} L, "
+                 f"mean speed {episode.end.mean_speed:.3g} L/T0")
 
 
 def places(centroids):

@@ -1,4 +1,5 @@
 """A movie of a recorded episode: the swimmer true to scale, its way, its target, and a clock."""
+import errno
 import math
 import shutil
 import subprocess
@@ -8,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from threelink_report.episode import SMOOTHING, Motion
-from threelink_report.files import replacing
-from threelink_report.style import BODY, SWIMMER, TARGET
+from threelink_report.files import OutputError, replacing
+from threelink_report.style import BODY, SWIMMER, TARGET, plain
 
 WIDTH, HEIGHT, DPI = 1280, 720, 100
 RATE = 30  # frames/s
@@ -48,6 +49,7 @@ class Encoder:
     """Where to write images to, as RGBA, that ffmpeg makes a movie of."""
 
     def __init__(self, path):
+        self.path = path
         self.errors = tempfile.TemporaryFile()
         self.process = subprocess.Popen(
             ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba",
@@ -66,7 +68,8 @@ class Encoder:
             pass
         if self.process.wait() and kind in (None, BrokenPipeError):
             self.errors.seek(0)
-            raise MovieError(f"ffmpeg: {self.errors.read().decode(errors='replace').strip()}")
+            text = self.errors.read().decode(errors="replace").strip()
+            raise OutputError(errno.EIO, f"ffmpeg failed: {text}", self.path)
 
 
 class Scene:
@@ -79,7 +82,7 @@ class Scene:
         self.episode = episode
         self.motion = Motion(episode)
         self.figure = plt.figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, facecolor="white")
-        self.figure.text(0.06, 0.95, episode.title(), fontsize=14, weight="bold", va="center")
+        self.figure.text(0.06, 0.95, plain(episode.title()), fontsize=14, weight="bold", va="center")
         self.figure.text(0.72, 0.05, f"{speed:.3g} T₀ a second", fontsize=11, color="0.35")
         self.world = self.figure.add_axes([0.06, 0.08, 0.62, 0.83])
         self.plane = self.figure.add_axes([0.755, 0.46, 0.225, 0.40])
@@ -174,7 +177,7 @@ class Scene:
             lines += [f"speed  {self.motion.speed[row]:.5f} L/T₀",
                       f"efficiency  {100 * self.motion.efficiency[row]:.2f} %"]
         if index == len(self.episode.steps) - 1:
-            lines.append(self.episode.outcome)
+            lines.append(plain(self.episode.outcome))
         return "\n".join(lines)
 
 

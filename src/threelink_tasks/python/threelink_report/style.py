@@ -3,6 +3,7 @@
 Colours are Okabe and Ito's; what a colour tells, a marker, a dash or a place tells as well.
 """
 import os
+import warnings
 
 import matplotlib
 
@@ -18,9 +19,15 @@ CURVES = (("#000000", "-"), ("#0072B2", (0, (5, 1.5))), ("#D55E00", (0, (1.5, 1.
 
 
 def use_style():
+    warnings.filterwarnings("ignore", "Glyph .* missing")  # a box stands for it
     plt.rcParams.update({
         "font.size": 8, "axes.axisbelow": True, "axes.grid": True, "grid.color": "0.9",
         "grid.linewidth": 0.6, "pdf.fonttype": 42})  # text stays text in a PDF
+
+
+def plain(text):
+    """Text of which no part is taken for a formula."""
+    return text.replace("$", r"\$")
 
 
 def save(figure, path):
