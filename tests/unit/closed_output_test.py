@@ -9,6 +9,8 @@ import rosunit
 
 CONFIG = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "config")
 POLICY = os.path.join(CONFIG, "policies", "vfs.safetensors")
+DATA = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "data", "bags_1")
+BAG = os.path.join(DATA, sorted(os.listdir(DATA))[-1])
 TAKEN = "standard output cannot be written: "
 
 
@@ -53,6 +55,7 @@ class ClosedOutputTest(unittest.TestCase):
                 ("threelink_agent", "evaluate", ["--policy", POLICY, "--trials", "0", "--json"]),
                 ("threelink_sim", "bench", ["--json", "--seconds", "0.1"]),
                 ("threelink_sim", "make_urdf", []),
+                ("threelink_tasks", "verify_bag", [BAG]),
                 ("threelink_sim", "optimal_stroke",
                  ["--square=-1,1", "--pieces", "4", "--out", stroke, "--json"])):
             self.expect_a_word((package, name), arguments)

@@ -5,6 +5,7 @@
 #include "bag_verifier.hpp"
 #include "threelink_agent/evaluate.hpp"
 #include "threelink_sim/node/topics.hpp"
+#include "threelink_sim/yaml.hpp"
 #include "threelink_tasks/task_factory.hpp"
 
 namespace threelink_tasks {
@@ -70,7 +71,7 @@ void BagVerifier::begin() {
 
 void BagVerifier::read_config() {
   try {
-    const YAML::Node config = YAML::Load(start_.config);
+    const YAML::Node config = threelink_sim::parse_yaml(start_.config);
     task_ = make_task(config);
     if (task_->takes_points()) verdict_.targets_proven = false;
     threelink_sim::ParameterMap simulator("simulator", config["simulator"]);
@@ -93,15 +94,22 @@ void BagVerifier::compare_start() {
   start.time = start.mean_speed = 0;
   start.reason.clear();
   start.distance = end_.measures.distance;
-  const YAML::Node task = YAML::Load(start_.config)["task"];
-  start.task = task["name"].as<std::string>();
-  start.seed = task["seed"].as<std::uint64_t>();
-  start.policy_file = task["policy"].as<std::string>();
+  const YAML::Node task = threelink_sim::parse_yaml(start_.config)["task"];
+  double v_m = 0;
+  try {
+    start.task = task["name"].as<std::string>();
+    start.seed = task["seed"].as<std::uint64_t>();
+    start.policy_file = task["policy"].as<std::string>();
+    v_m = task["v_m"].as<double>();
+  } catch (const YAML::Exception& error) {
+    differ("episode.config.task", error.what(), "name, seed, policy and v_m");
+  }
   if (const auto* policy = policies_.find(start_.policy_sha256.substr(0, kIdDigits))) {
     start.policy_sha256 = policy->sha256();
-    const double v_m = threelink_agent::evaluate(*policy, 0, 0).speed;
-    if (task["v_m"].as<double>() != v_m)
-      differ("episode.config.task.v_m", task["v_m"].as<std::string>(), fmt::format("{:.17g}", v_m));
+    const double speed = threelink_agent::evaluate(*policy, 0, 0).speed;
+    if (v_m != speed)
+      differ("episode.config.task.v_m", task["v_m"].as<std::string>(),
+             fmt::format("{:.17g}", speed));
   }
   compare(topics::kEpisode, start_, start);
 }
@@ -157,6 +165,14 @@ void BagVerifier::compare_seal() {
     const FieldDifference topic = first_differing_line(bag_.seal->contents, seal.contents);
     differ("number and checksum of the messages of " + topic.field, topic.recorded, topic.replayed);
   }
+  if (bag_.seal_namespace != bag_.episode_namespace)
+    differ("recording, its topic", bag_.seal_namespace + topics::kRecording,
+           bag_.episode_namespace + topics::kRecording);
+  if (bag_.seal_time != bag_.seal->header.stamp)
+    differ("recording, its time in the bag", fmt::format("{:.9f} s", bag_.seal_time.toSec()),
+           fmt::format("{:.9f} s", bag_.seal->header.stamp.toSec()));
+  if (bag_.seal->header.seq != 0)
+    differ("recording.header.seq", fmt::format("{}", bag_.seal->header.seq), "0");
   compare(topics::kRecording, *bag_.seal, seal);
 }
 

@@ -18,6 +18,7 @@
 #include <threelink_msgs/Recording.h>
 #include <threelink_msgs/SwimmerState.h>
 
+#include "../core/bag_reader.hpp"
 #include "../node/bag_contents.hpp"
 
 namespace threelink_tasks {
@@ -72,11 +73,15 @@ struct RecordedBag {
   Track<threelink_msgs::PolicyWeights> policies;
   std::map<std::string, std::uint64_t> others;  // messages that do not follow from the episode
 
+  bool ours = false;                              // something in it is of an episode
   std::optional<threelink_msgs::Recording> seal;  // how the recorder ended the bag
+  ros::Time seal_time;                            // in the bag
+  std::string seal_namespace, episode_namespace;  // of their topics
   BagContents contents;                           // of all but the seal
 };
 
-// Throws rosbag::BagException, ros::Exception or std::runtime_error if it cannot be read.
+// Throws BagError or another threelink_sim::UsageError, which name the path, if it cannot be read
+// or is no bag of the recorder.
 RecordedBag read_bag(const std::string& path);
 
 }  // namespace threelink_tasks

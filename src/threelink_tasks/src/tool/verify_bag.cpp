@@ -1,6 +1,6 @@
 // Proof by replay of a recorded episode, without a ROS master.
-#include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -9,12 +9,14 @@
 #include <ros/package.h>
 
 #include "bag_verifier.hpp"
+#include "threelink_sim/command_line.hpp"
+#include "threelink_sim/output.hpp"
 #include "threelink_tasks/plugins.hpp"
 
 namespace threelink_tasks {
 namespace {
 
-enum ExitStatus { kProven = 0, kNotProven = 1, kMisuse = 2 };
+enum ExitStatus { kProven = 0, kNotProven = 1 };
 
 struct Options {
   std::string bag;
@@ -101,16 +103,26 @@ std::string report(const RecordedBag& bag, const Verdict& verdict) {
   return text;
 }
 
+std::pair<RecordedBag, Verdict> verify(const Options& options) {
+  try {
+    load_task_plugins();
+    RecordedBag bag = read_bag(options.bag);
+    Verdict verdict = BagVerifier(bag, find_policies(options, bag)).verify();
+    return {std::move(bag), std::move(verdict)};
+  } catch (const threelink_sim::UsageError& error) {
+    throw threelink_sim::UsageError(printable(error.what()));
+  } catch (const std::exception& error) {  // whatever is wrong with it, it is not a difference
+    throw threelink_sim::UsageError(printable(fmt::format("{}: {}", options.bag, error.what())));
+  }
+}
+
 int run(const Options& options) {
-  load_task_plugins();
-  const RecordedBag bag = read_bag(options.bag);
-  const Verdict verdict = BagVerifier(bag, find_policies(options, bag)).verify();
+  const auto [bag, verdict] = verify(options);
   if (options.json) {
     print_json(bag, verdict);
   } else {
     fmt::print("{}", printable(report(bag, verdict)));
   }
-  if (std::fflush(stdout) != 0) throw std::runtime_error("cannot write the result");
   return verdict.difference ? kNotProven : kProven;
 }
 
@@ -119,30 +131,22 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace threelink_tasks;
-  Options options;
-  CLI::App app(
-      "Replays a recorded episode: whether every state, observation, target, action, power and\n"
-      "reward in the bag follows, to the bit, from its seed, configuration and hinge rates.\n");
-  app.add_option("BAG", options.bag, "a bag of the recorder")->required();
-  app.add_option(
-      "--policy", options.policies,
-      "policy file; those that the bag names or holds, and those in config/policies, are "
-      "found without it");
-  app.add_flag("--json", options.json, "one line of JSON");
-  app.footer(
-      "Says OK with counts, or the first difference: step, field, the recorded value and the\n"
-      "replayed one. Exit status: 0 the bag proves itself; 1 it does not; 2 wrong arguments, or "
-      "the\n"
-      "file cannot be read.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kProven : kMisuse;
-  }
-  try {
-    return run(options);
-  } catch (const std::exception& error) {  // of a policy file, rosbag, a message
-    fmt::print(stderr, "verify_bag: {}\n", printable(options.bag + ": " + error.what()));
-    return kMisuse;
-  }
+  return threelink_sim::run_tool("verify_bag", [=] {
+    Options options;
+    CLI::App app(
+        "Replays a recorded episode: whether every state, observation, target, action, power and\n"
+        "reward in the bag follows, to the bit, from its seed, configuration and hinge rates.\n");
+    app.add_option("BAG", options.bag, "a bag of the recorder")->required();
+    app.add_option(
+        "--policy", options.policies,
+        "policy file; those that the bag names or holds, and those in config/policies, are "
+        "found without it");
+    app.add_flag("--json", options.json, "one line of JSON");
+    app.footer(
+        "Says OK with counts, or the first difference: step, field, the recorded value and the\n"
+        "replayed one. Exit status: 0 the bag proves itself; 1 it does not; 2 wrong arguments, or "
+        "the\n"
+        "file cannot be read, is damaged or no bag of the recorder.");
+    return threelink_sim::parse_command_line(app, argc, argv) ? run(options) : int{kProven};
+  });
 }
