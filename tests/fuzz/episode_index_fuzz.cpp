@@ -10,7 +10,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   folder.file("episodes.csv", data, size);
   const std::vector<std::string> before = indexed_bags(folder.path());
   IndexRow row;
-  row.bag = "new.bag";
+  row.bag = "pursuit_2026-01-31-23-59-59_ep0001.bag";
   row.task = "pursuit";
   append_to_index(folder.path(), row);
   const std::vector<std::string> after = indexed_bags(folder.path());

@@ -263,7 +263,9 @@ class InterruptedTest(unittest.TestCase):
         (row,) = rows(self.folder)
         self.assertEqual((row["recovered"], row["status"], row["seed"]), ("yes", "aborted", "0"))
         self.assertRegex(row["bag"], r"^pursuit_\S+_ep0001_recovered\.bag$")
-        bag = read(os.path.join(self.folder, row["bag"]))
+        path = os.path.join(self.folder, row["bag"])
+        self.assertTrue(wait(lambda: os.path.exists(path)))  # it is named after its row is written
+        bag = read(path)
         old = [step for step, arrival in self.arrivals.items() if arrival < killed - 0.5]
         recovered = {message.step for _, message in bag["state"]}
         self.assertGreater(len(old), 100)
@@ -294,6 +296,16 @@ class InterruptedTest(unittest.TestCase):
         self.assertEqual(steps, list(range(len(steps))))
         self.assertIn(steps[-1] - end.step, (0, 1))  # the simulator may have been on its way
         self.assertEqual(self.active(), [])
+
+
+class RefusalTest(unittest.TestCase):
+    def test_a_folder_in_which_nothing_can_be_written_is_refused_before_the_first_step(self):
+        process = launch("pursuit.launch", realtime_factor=0, bag_dir="/proc/bags")
+        output, _ = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 2, output)
+        self.assertRegex(output, "the recorder cannot record: ~bag_dir = /proc/bags: the folder cannot "
+                                 "be made: No such file or directory")
+        self.assertNotRegex(output, "(?m)^episode")
 
 
 if __name__ == "__main__":

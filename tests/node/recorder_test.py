@@ -1,6 +1,5 @@
 #!/usr/bin/python3
 """The recorder alone: gaps, full disks, and bags that others left or still write."""
-import csv
 import os
 import random
 import re
@@ -8,71 +7,22 @@ import resource
 import shutil
 import subprocess
 import sys
-import tempfile
 import time
-import unittest
 
 import rosbag
-import roslib.packages
 import rospy
 import rostest
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import PointStamped, PoseStamped, TransformStamped
-from sensor_msgs.msg import JointState
+from diagnostic_msgs.msg import DiagnosticStatus
+from geometry_msgs.msg import TransformStamped
 from tf2_msgs.msg import TFMessage
 
-from threelink_msgs.msg import (Episode, EpisodeAbort, HingeRates, Observation, PolicyWeights,
-                                Recording, SwimmerState)
+from threelink_msgs.msg import Episode, EpisodeAbort, PolicyWeights, Recording
 
 import skips  # noqa: F401, rosunit's results
+from recorder_peers import NODE, PROGRAM, RecorderCase
 from waiting import wait
 
-PROGRAM = roslib.packages.find_node("threelink_tasks", "recorder_node")[0]
-NODE = "/threelink/recorder"
 KILLS = int(os.environ.get("THREELINK_KILLS", 5))
-
-
-class Peers:
-    """Everything that the recorder listens to, and what it answers."""
-
-    def __init__(self):
-        self.recordings, self.summaries = [], []
-        self.stamp = 0
-        publish = lambda name, kind: rospy.Publisher(name, kind, queue_size=1000)
-        self.state = publish("/threelink/state", SwimmerState)
-        self.target = publish("/threelink/target", PointStamped)
-        self.observation = publish("/threelink/observation", Observation)
-        self.rates = publish("/threelink/hinge_rates", HingeRates)
-        self.joints = publish("/threelink/joint_states", JointState)
-        self.pose = publish("/threelink/pose", PoseStamped)
-        self.transforms = publish("/tf", TFMessage)
-        self.abort = publish("/threelink/abort", EpisodeAbort)
-        self.episode = rospy.Publisher("/threelink/episode", Episode, queue_size=10, latch=True)
-        self.topics = [
-            rospy.Subscriber("/threelink/recording", Recording, self.recordings.append),
-            rospy.Subscriber("/diagnostics", DiagnosticArray, self.on_diagnostics)]
-
-    def on_diagnostics(self, message):
-        for status in message.status:
-            if status.name.startswith(NODE[1:]) or status.name.startswith(NODE):
-                self.summaries.append((ord(status.level) if isinstance(status.level, bytes)
-                                       else status.level, status.message))
-
-    def send_state(self, episode, step):
-        self.stamp += 1
-        state = SwimmerState(episode=episode, step=step, theta=[0, 0, 0], alpha=[0, 0])
-        state.header.stamp = rospy.Time(self.stamp)
-        self.state.publish(state)
-
-    def send_episode(self, episode, step, status):
-        message = Episode(episode=episode, step=step, status=status, task="pursuit", seed=9,
-                          policy_sha256="ab" * 32)
-        message.header.stamp = rospy.Time(self.stamp)
-        self.episode.publish(message)
-
-    def said(self, state, episode):
-        return next((recording for recording in self.recordings
-                     if (recording.state, recording.episode) == (state, episode)), None)
 
 
 def limit_file_size():
@@ -80,64 +30,7 @@ def limit_file_size():
     resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
 
 
-class RecorderTest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.peers = Peers()
-
-    def setUp(self):
-        self.folder = tempfile.mkdtemp()
-        self.processes = []
-        self.peers.recordings.clear()
-        self.peers.summaries.clear()
-        self.peers.stamp += 100  # simulation time never goes back
-
-    def tearDown(self):
-        for process in self.processes:
-            process.kill()
-            process.communicate()
-        self.peers.send_episode(0, 0, Episode.ABORTED)  # what the next recorder hears first
-        shutil.rmtree(self.folder)
-
-    def start(self, folder=None, limit=None, **parameters):
-        rospy.set_param(NODE, {"bag_dir": folder or self.folder, "picture": False, "min_free_mb": 0,
-                               **parameters})
-        process = subprocess.Popen([PROGRAM, "__name:=recorder", "__ns:=threelink"],
-                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                   universal_newlines=True, preexec_fn=limit, restore_signals=False)
-        self.processes.append(process)
-        return process
-
-    def start_and_wait(self, **options):
-        process = self.start(**options)
-        self.assertTrue(wait(lambda: self.peers.said(Recording.READY, 0)))
-        return process
-
-    def active(self):
-        return [name for name in self.files() if name.endswith(".active")]
-
-    def files(self):
-        return sorted(os.listdir(self.folder))
-
-    def rows(self):
-        with open(os.path.join(self.folder, "episodes.csv")) as file:
-            return list(csv.DictReader(file))
-
-    def play_to_the_end(self, episode, steps):
-        """The path of the bag of a whole episode."""
-        self.play(episode, steps)
-        self.assertTrue(wait(lambda: self.peers.said(Recording.WRITTEN, episode)))
-        return self.peers.said(Recording.WRITTEN, episode).bag
-
-    def play(self, episode, steps, status=Episode.CAPTURED):
-        """An episode with the given states."""
-        self.peers.send_state(episode, steps[0])
-        self.peers.send_episode(episode, steps[0], Episode.STARTED)
-        for step in steps[1:]:
-            self.peers.send_state(episode, step)
-        if status is not None:
-            self.peers.send_episode(episode, steps[-1], status)
-
+class RecorderTest(RecorderCase):
     def test_states_that_overtake_the_start_are_kept_and_repeated_ones_are_not(self):
         self.start_and_wait()
         self.peers.send_state(1, 99)  # of something before
@@ -356,14 +249,29 @@ class RecorderTest(unittest.TestCase):
               (len(shares), 100 * min(shares)), file=sys.stderr)
         self.assertGreaterEqual(min(shares), 0.99)
 
-    def test_a_folder_that_cannot_be_is_told_and_survived(self):
+    def test_a_folder_that_cannot_be_is_refused_at_the_start(self):
         path = os.path.join(self.folder, "file")
         open(path, "w").close()
-        process = self.start_and_wait(folder=path + "/bags")
+        for folder in (path + "/bags", path, "/proc/bags"):
+            self.peers.recordings.clear()
+            process = self.start(folder=folder)
+            self.assertTrue(wait(lambda: self.peers.said(Recording.FAILED, 0)))
+            self.assertIn("~bag_dir = " + folder, self.peers.said(Recording.FAILED, 0).status)
+            output = process.communicate(timeout=20)[0]
+            self.assertEqual(process.returncode, 2, output)
+            self.assertRegex(output, "~bag_dir = %s: (no file|the folder) can" % folder)
+
+    def test_a_folder_that_goes_away_is_told_and_survived(self):
+        folder = os.path.join(self.folder, "bags")
+        process = self.start_and_wait(folder=folder)
+        os.rmdir(folder)
+        open(folder, "w").close()
         self.play(1, [0, 1])
         self.assertTrue(wait(lambda: self.peers.said(Recording.FAILED, 1)))
-        self.assertIn(path, self.peers.said(Recording.FAILED, 1).status)
+        self.assertIn(folder, self.peers.said(Recording.FAILED, 1).status)
         self.assertIsNone(process.poll())
+        os.remove(folder)
+        self.play_to_the_end(2, [0, 1])
 
     def test_a_bag_that_is_written_is_no_leftover(self):
         self.start_and_wait()
@@ -373,10 +281,11 @@ class RecorderTest(unittest.TestCase):
         other = subprocess.Popen([PROGRAM, "__name:=other", "__ns:=threelink"])
         self.processes.append(other)
         self.assertTrue(wait(lambda: len(self.peers.recordings) > 1))  # the other is ready, too
+        self.peers.send_state(1, 3)
         self.assertTrue(wait(lambda: len(self.active()) == 2))  # it records the episode as well
         other.terminate()
         self.assertEqual(other.wait(10), 0)
-        self.peers.send_episode(1, 2, Episode.CAPTURED)
+        self.peers.send_episode(1, 3, Episode.CAPTURED)
         self.assertTrue(wait(lambda: not self.active() and len(self.rows()) == 2))
         self.assertEqual({row["recovered"] for row in self.rows()}, {"no"})
 

@@ -8,7 +8,10 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include "../core/bag_name.hpp"
 
 namespace threelink_tasks {
 namespace {
@@ -30,14 +33,6 @@ std::string date(std::time_t time) {
   return text;
 }
 
-// The first free name from now on: another recorder may have begun an episode in the same second.
-fs::path free_path(const fs::path& folder, const std::string& task, std::uint32_t episode) {
-  for (std::time_t time = std::time(nullptr);; ++time) {
-    const fs::path path = folder / fmt::format("{}_{}_ep{:04}.bag", task, date(time), episode);
-    if (!fs::exists(path) && !fs::exists(path.string() + kActiveSuffix)) return path;
-  }
-}
-
 void sync(const fs::path& path, int flags) {
   const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
   if (descriptor < 0) fail("cannot open", path);
@@ -48,22 +43,40 @@ void sync(const fs::path& path, int flags) {
 
 }  // namespace
 
+// The first free name from now on: another recorder may have begun an episode in the same second.
 BagFile::BagFile(const fs::path& folder, const std::string& task, std::uint32_t episode) {
   fs::create_directories(folder);
-  path_ = free_path(folder, task, episode);
+  for (std::time_t time = std::time(nullptr);; ++time) {
+    path_ = folder / bag_name(task, date(time), episode);
+    if (!fs::exists(fs::symlink_status(path_)) && create()) break;
+  }
   open();
 }
 
-BagFile::BagFile(const fs::path& path) : path_(path) { open(); }
+BagFile::BagFile(const fs::path& path) : path_(path) {
+  if (!create()) {
+    errno = EEXIST;
+    fail("cannot create", active_);
+  }
+  open();
+}
+
+// False if there is such a file, or another recorder took the new one for a leftover.
+bool BagFile::create() {
+  active_ = path_.string() + kActiveSuffix;
+  lock_ = ::open(active_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0644);
+  if (lock_ < 0) {
+    if (errno == EEXIST) return false;
+    fail("cannot create", active_);
+  }
+  struct stat status {};
+  if (flock(lock_, LOCK_EX | LOCK_NB) == 0 && fstat(lock_, &status) == 0 && status.st_nlink > 0)
+    return true;
+  ::close(lock_);
+  return false;
+}
 
 void BagFile::open() {
-  active_ = path_.string() + kActiveSuffix;
-  lock_ = ::open(active_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
-  if (lock_ < 0) fail("cannot create", active_);
-  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
-    ::close(lock_);
-    fail("another recorder writes", active_);
-  }
   bag_ = std::make_unique<rosbag::Bag>();
   bag_->setChunkThreshold(kChunkThreshold);
   try {
@@ -101,6 +114,26 @@ void BagFile::close() {
 void BagFile::rename() {
   fs::rename(active_, path_);
   sync(path_.parent_path(), O_RDONLY | O_DIRECTORY);
+}
+
+std::string why_not_writable(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder)) {
+    if (!error) error = std::make_error_code(std::errc::not_a_directory);
+    return fmt::format("the folder cannot be made: {}", error.message());
+  }
+  const fs::path trial = folder / fmt::format(".threelink_{}.tmp", getpid());
+  const int descriptor =
+      ::open(trial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+  // A disk that is full may have room later: that is told of each episode.
+  if (descriptor < 0 && errno != ENOSPC && errno != EDQUOT && errno != EEXIST)
+    return fmt::format("no file can be made in that folder: {}", std::strerror(errno));
+  if (descriptor >= 0) {
+    ::close(descriptor);
+    ::unlink(trial.c_str());
+  }
+  return "";
 }
 
 }  // namespace threelink_tasks

@@ -58,6 +58,7 @@ class BagFile {
   const BagContents& contents() const { return contents_; }
 
  private:
+  bool create();
   void open();
   void let_go();
 
@@ -68,6 +69,9 @@ class BagFile {
   BagContents contents_;
   std::chrono::steady_clock::time_point flushed_;
 };
+
+// Why no bag can be written in a folder, which is made if it is missing; empty if one can.
+std::string why_not_writable(const std::filesystem::path& folder);
 
 template <class Message>
 void BagFile::write_latched(const std::string& topic, const ros::Time& time,

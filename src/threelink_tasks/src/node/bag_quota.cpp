@@ -1,10 +1,12 @@
 #include "bag_quota.hpp"
 
 #include <deque>
+#include <set>
 
 #include <fmt/format.h>
 #include <ros/console.h>
 
+#include "../core/bag_name.hpp"
 #include "episode_index.hpp"
 
 namespace threelink_tasks {
@@ -17,6 +19,7 @@ constexpr double kMegabyte = 1e6;
 // 0 if there is no such file.
 std::uintmax_t size_of(const fs::path& path) {
   std::error_code absent;
+  if (!fs::is_regular_file(fs::symlink_status(path, absent))) return 0;
   const std::uintmax_t size = fs::file_size(path, absent);
   return absent ? 0 : size;
 }
@@ -28,10 +31,12 @@ struct Bag {
 
 std::deque<Bag> bags_in(const fs::path& folder) {
   std::deque<Bag> bags;
+  std::set<std::string> seen;
   for (const std::string& name : indexed_bags(folder)) {
-    if (fs::path(name).filename() != name) continue;  // outside of the folder
+    // A row may say anything; what is not named as the recorder does is not its to delete.
+    if (!is_bag_name(name) || !seen.insert(name).second) continue;
     const fs::path path = folder / name, picture = fs::path(path).replace_extension(".png");
-    if (fs::is_regular_file(path))
+    if (fs::is_regular_file(fs::symlink_status(path)))
       bags.push_back({path, picture, size_of(path) + size_of(picture)});
   }
   return bags;
@@ -53,7 +58,7 @@ std::uintmax_t BagQuota::delete_oldest(std::uintmax_t open_bytes, std::size_t sp
   while (bags.size() > spared && (too_many() || too_much())) {
     const Bag& oldest = bags.front();
     fs::remove(oldest.path);
-    fs::remove(oldest.picture);
+    if (fs::is_regular_file(fs::symlink_status(oldest.picture))) fs::remove(oldest.picture);
     ROS_INFO("deleted the oldest bag, %s (%ju bytes): ~keep = %d, ~max_total_mb = %g",
              oldest.path.c_str(), oldest.bytes, parameters_.keep, parameters_.max_total_mb);
     total -= oldest.bytes;

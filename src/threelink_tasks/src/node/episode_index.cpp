@@ -1,6 +1,8 @@
 #include "episode_index.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <sstream>
@@ -9,7 +11,11 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include "../core/bag_name.hpp"
+#include "threelink_sim/files.hpp"
 
 namespace threelink_tasks {
 namespace {
@@ -17,33 +23,43 @@ namespace {
 using threelink_msgs::Episode;
 
 constexpr char kFile[] = "episodes.csv";
+constexpr char kOldHeader[] =
+    "episode,bag,task,seed,status,steps,time,distance,mean_speed,policy_sha256,messages,recovered";
 constexpr char kHeader[] =
-    "episode,bag,task,seed,status,steps,time,distance,mean_speed,policy_sha256,messages,"
-    "recovered\n";
+    "episode,bag,task,seed,status,steps,time,distance,mean_speed,policy_sha256,messages,recovered,"
+    "missing";
+constexpr std::ptrdiff_t kOldCommas = 11;
+constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 
 std::string cell(const std::optional<double>& value) {
-  return value ? fmt::format("{}", *value) : std::string();
+  return value && std::isfinite(*value) ? fmt::format("{}", *value) : std::string();
 }
 
+std::string cell(const std::string& text) { return is_plain_name(text) ? text : std::string(); }
+
 std::string line(const IndexRow& row) {
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{}\n", row.episode, row.bag, row.task,
-                     row.seed, row.status, row.steps, cell(row.time), cell(row.distance),
-                     cell(row.mean_speed), row.policy_sha256, row.messages,
-                     row.recovered ? "yes" : "no");
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.episode,
+                     is_bag_name(row.bag) ? row.bag : "", cell(row.task), row.seed, row.status,
+                     row.steps, cell(row.time), cell(row.distance), cell(row.mean_speed),
+                     cell(row.policy_sha256), row.messages, row.recovered ? "yes" : "no",
+                     row.missing);
 }
 
 // A file that is open, and locked against other processes until it is closed.
 class LockedFile {
  public:
-  explicit LockedFile(const std::filesystem::path& path)
-      : path_(path), descriptor_(open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644)) {
-    if (descriptor_ < 0) fail("open");
-    if (flock(descriptor_, LOCK_EX) != 0) {
-      const int error = errno;
-      close(descriptor_);
-      errno = error;
-      fail("lock");
-    }
+  explicit LockedFile(const std::filesystem::path& path) : path_(path) {
+    do {
+      if (descriptor_ >= 0) close(descriptor_);
+      descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0644);
+      if (descriptor_ < 0) fail("open");
+      if (flock(descriptor_, LOCK_EX) != 0) {
+        const int error = errno;
+        close(descriptor_);
+        errno = error;
+        fail("lock");
+      }
+    } while (!is_there());  // another recorder may have put a new one in its place
   }
   ~LockedFile() { close(descriptor_); }
   LockedFile(const LockedFile&) = delete;
@@ -69,15 +85,43 @@ class LockedFile {
     }
   }
 
+  // That many bytes from the start.
+  std::string head(std::size_t size) const {
+    std::string bytes(size, '\0');
+    const ssize_t got = pread(descriptor_, bytes.data(), size, 0);
+    bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
+    return bytes;
+  }
+
  private:
+  bool is_there() const {
+    struct stat open {
+    }, there{};
+    return fstat(descriptor_, &open) == 0 && lstat(path_.c_str(), &there) == 0 &&
+           open.st_ino == there.st_ino && open.st_dev == there.st_dev;
+  }
+
   [[noreturn]] void fail(const char* what) const {
     throw std::runtime_error(
         fmt::format("cannot {} {}: {}", what, path_.string(), std::strerror(errno)));
   }
 
   std::filesystem::path path_;
-  int descriptor_;
+  int descriptor_ = -1;
 };
+
+std::ptrdiff_t commas_in(const std::string& line) {
+  return std::count(line.begin(), line.end(), ',');
+}
+
+// The text of an older version, with the column that it lacks.
+std::string with_last_column(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line, result = std::string(kHeader) + "\n";
+  std::getline(lines, line);
+  while (std::getline(lines, line)) result += line + (commas_in(line) == kOldCommas ? ",\n" : "\n");
+  return result;
+}
 
 }  // namespace
 
@@ -109,6 +153,8 @@ void EpisodeStory::hear(const Episode& message) {
 }
 
 void EpisodeStory::hear(const threelink_msgs::SwimmerState& message) {
+  if (message.step > due_) row_.missing += message.step - due_;
+  due_ = std::max(due_, message.step + 1);
   if (!ended_) row_.steps = message.step;
 }
 
@@ -125,7 +171,14 @@ IndexRow EpisodeStory::row() const {
 void append_to_index(const std::filesystem::path& folder, const IndexRow& row) {
   LockedFile file(folder / kFile);
   const off_t end = file.end_of_lines();
-  file.replace_from(end, (end == 0 ? kHeader : "") + line(row));
+  if (end == 0) {
+    file.replace_from(0, std::string(kHeader) + "\n" + line(row));
+  } else if (file.head(sizeof kOldHeader) == std::string(kOldHeader) + "\n") {
+    const std::string text = threelink_sim::read_file(folder / kFile, kMostBytes);
+    threelink_sim::write_file(folder / kFile, with_last_column(text.substr(0, end)) + line(row));
+  } else {
+    file.replace_from(end, line(row));
+  }
 }
 
 std::vector<std::string> indexed_bags(const std::filesystem::path& folder) {
@@ -134,6 +187,9 @@ std::vector<std::string> indexed_bags(const std::filesystem::path& folder) {
   std::string row, episode, bag;
   std::getline(file, row);  // the header
   while (std::getline(file, row) && !file.eof()) {
+    const std::ptrdiff_t commas = commas_in(row);
+    if ((commas != kOldCommas && commas != kOldCommas + 1) || row.find('"') != std::string::npos)
+      continue;
     std::istringstream cells(row);
     if (std::getline(cells, episode, ',') && std::getline(cells, bag, ',')) names.push_back(bag);
   }

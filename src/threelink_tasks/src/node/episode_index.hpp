@@ -27,6 +27,7 @@ struct IndexRow {
   std::string policy_sha256;
   std::uint64_t messages = 0;  // in the bag
   bool recovered = false;      // the bag was left open by a recorder that died
+  std::uint64_t missing = 0;   // states that were lost on the way to the bag
 };
 
 // What the messages of a bag say about its episode. Without an Episode message that ends it, the
@@ -43,6 +44,7 @@ class EpisodeStory {
 
  private:
   IndexRow row_;
+  std::uint64_t due_ = 0;  // step of the next state
   bool ended_ = false;
 };
 
@@ -50,10 +52,12 @@ class EpisodeStory {
 std::string status_name(std::uint8_t status);
 
 // Appends a row to FOLDER/episodes.csv, whole or not at all, also if several recorders share the
-// folder. Throws std::runtime_error naming the file.
+// folder. No cell needs quotes: text that is no plain name stays out. A file that lacks the last
+// column, as older versions wrote it, gets it. Throws std::runtime_error naming the file.
 void append_to_index(const std::filesystem::path& folder, const IndexRow& row);
 
-// Names of the bags that FOLDER/episodes.csv lists, oldest first; none if it cannot be read.
+// Names of the bags that FOLDER/episodes.csv lists, oldest first; none if it cannot be read. Rows
+// that are not as the recorder writes them list nothing.
 std::vector<std::string> indexed_bags(const std::filesystem::path& folder);
 
 }  // namespace threelink_tasks

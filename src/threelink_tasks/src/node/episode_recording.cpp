@@ -1,9 +1,12 @@
 #include "episode_recording.hpp"
 
+#include <algorithm>
 #include <exception>
 
 #include <fmt/format.h>
 #include <ros/console.h>
+
+#include "recording_words.hpp"
 
 namespace threelink_tasks {
 namespace {
@@ -17,6 +20,7 @@ using threelink_msgs::Recording;
 constexpr auto kQuiet = 60ms;
 constexpr auto kPatience = 1s;  // after its end was announced
 constexpr auto kQuotaPeriod = 500ms;
+constexpr std::uint64_t kMostLost = 1000000000;  // states at the end, or its step is not believed
 
 // For people: what a file holds and what its disk has left.
 std::string disk_report(const fs::path& path) {
@@ -32,44 +36,101 @@ RecordingCounters::RecordingCounters(threelink_sim::Diagnostics& diagnostics)
     : messages(diagnostics.counter("messages recorded")),
       bags(diagnostics.counter("bags written")),
       states_missing(diagnostics.refusals("states missing")),
+      messages_refused(diagnostics.refusals("messages refused")),
+      episodes_refused(diagnostics.refusals("episodes refused")),
       failures(diagnostics.refusals("bags failed")) {}
 
 EpisodeRecording::EpisodeRecording(const fs::path& folder, const BagQuota& quota,
-                                   const threelink_msgs::Episode& start,
+                                   const std::string& topic,
+                                   const threelink_msgs::EpisodeConstPtr& start,
                                    RecordingCounters& counters)
     : folder_(folder),
       quota_(quota),
       counters_(counters),
-      episode_(start.episode),
-      start_(start.header.stamp) {
+      episode_topic_(topic),
+      start_(start),
+      states_(start->step, start->header.stamp) {
   try {
-    bag_ = std::make_unique<BagFile>(folder, start.task, start.episode);
+    bag_ = std::make_unique<BagFile>(folder, start->task, start->episode);
     watch_quota();
   } catch (const std::exception& error) {
     fail(error.what(), true);
   }
+  constexpr bool kLatched = true;
+  write(topic, this->start(), *start, kLatched);
 }
 
-bool EpisodeRecording::is_new(const threelink_msgs::SwimmerState& message) {
-  const std::uint64_t expected = last_state_ ? *last_state_ + 1 : 0;
-  if (message.step < expected) return false;
-  states_missing_ += message.step - expected;
-  counters_.states_missing += message.step - expected;
-  last_state_ = message.step;
-  return true;
+// --- What belongs to the episode -----------------------------------------------------------------
+
+void EpisodeRecording::record_state(const std::string& topic, const Pointer<State>& state) {
+  last_arrival_ = Clock::now();
+  if (state->header.stamp < start()) return;
+  state_topic_ = topic;
+  const std::uint64_t refused = states_.refused();
+  states_.add(*state, [this](const State& taken) { take_state(state_topic_, taken); });
+  refused_ += states_.refused() - refused;
+  counters_.messages_refused += states_.refused() - refused;
+  release_ahead();
 }
 
-void EpisodeRecording::expect_end(std::optional<std::uint64_t> last_step) {
-  if (last_step) last_step_ = last_step;
-  close_until_ = Clock::now() + kPatience;
+void EpisodeRecording::take_state(const std::string& topic, const State& state) {
+  last_state_arrival_ = last_arrival_;
+  const bool aborted = end_ && end_->status == threelink_msgs::Episode::ABORTED;
+  // When an episode is aborted, the simulator can be one state ahead of the task.
+  if (end_ && state.step > end_->step + aborted) {
+    end_.reset();
+    announced_.reset();
+    ++refused_;
+    ++counters_.messages_refused;
+  }
+  if (!failure_.empty()) ++unwritten_;
+  constexpr bool kLatched = true;
+  write(topic, state.header.stamp, state, !kLatched);
 }
+
+void EpisodeRecording::release_ahead() {
+  while (!ahead_.empty() && ahead_.begin()->first <= states_.stamp()) {
+    ahead_.begin()->second(*this);
+    ahead_.erase(ahead_.begin());
+  }
+}
+
+void EpisodeRecording::expect_end(const threelink_msgs::EpisodeConstPtr& end) {
+  end_ = end;
+  expect_end();
+}
+
+void EpisodeRecording::expect_end() { announced_ = last_arrival_ = Clock::now(); }
 
 bool EpisodeRecording::all_arrived() const {
-  if (!close_until_) return false;
+  if (!announced_) return false;
   const auto now = Clock::now();
-  if (now > *close_until_) return true;
-  return last_step_ && last_state_ >= last_step_ && now - last_arrival_ > kQuiet;
+  if (now > std::max(*announced_, last_state_arrival_) + kPatience) return true;
+  return end_ && states_.reaches(end_->step) && now - last_arrival_ > kQuiet;
 }
+
+void EpisodeRecording::finish_states() {
+  std::optional<std::uint64_t> last;
+  if (end_ && end_->step - states_.last().value_or(0) < kMostLost) last = end_->step;
+  const std::uint64_t refused = states_.refused();
+  states_.finish(last, [this](const State& taken) { take_state(state_topic_, taken); });
+  refused_ += states_.refused() - refused;
+  counters_.messages_refused += states_.refused() - refused;
+  counters_.states_missing += states_.missing();
+  release_ahead();
+  constexpr bool kLatched = true;
+  if (end_) write(episode_topic_, end_->header.stamp, *end_, kLatched);
+}
+
+std::string EpisodeRecording::losses() const {
+  std::string text = states_.missing() == 0
+                         ? kNothingMissing
+                         : fmt::format("{} states are missing", states_.missing());
+  if (refused_ > 0) text += fmt::format("; {} messages of others were left out", refused_);
+  return text;
+}
+
+// --- The bag -------------------------------------------------------------------------------------
 
 void EpisodeRecording::tend() {
   if (!failure_.empty()) return;
@@ -92,8 +153,8 @@ void EpisodeRecording::watch_quota() {
 
 void EpisodeRecording::fail(const std::string& reason, bool broken) {
   const fs::path path = bag_ ? bag_->active_path() : folder_;
-  failure_ = fmt::format("episode {} is not recorded{}: {}: {}{}", episode_,
-                         broken || !last_state_ ? "" : " to its end", path.string(), reason,
+  failure_ = fmt::format("episode {} is not recorded{}: {}: {}{}", episode(),
+                         broken || !states_.last() ? "" : " to its end", path.string(), reason,
                          disk_report(path));
   broken_ = broken;
   ++counters_.failures;
@@ -102,8 +163,9 @@ void EpisodeRecording::fail(const std::string& reason, bool broken) {
 
 Recording EpisodeRecording::close(const std::string& topic) {
   Recording recording;
-  recording.header.stamp = start_;
-  recording.episode = episode_;
+  recording.header.stamp = start();
+  recording.episode = episode();
+  finish_states();
   if (!broken_) {
     try {
       close_bag(topic, recording);
@@ -117,8 +179,7 @@ Recording EpisodeRecording::close(const std::string& topic) {
   } else {
     ++counters_.bags;
     recording.state = Recording::WRITTEN;
-    recording.status = states_missing_ == 0 ? "no state is missing"
-                                            : fmt::format("{} states are missing", states_missing_);
+    recording.status = losses();
   }
   return recording;
 }
@@ -132,7 +193,7 @@ void EpisodeRecording::close_bag(const std::string& topic, Recording& recording)
   if (failure_.empty()) {
     Recording last;
     last.header.stamp = bag_->contents().last();
-    last.episode = episode_;
+    last.episode = episode();
     last.state = Recording::WRITTEN;
     last.messages = bag_->contents().messages() + 1;
     last.contents = bag_->contents().text();
@@ -143,6 +204,7 @@ void EpisodeRecording::close_bag(const std::string& topic, Recording& recording)
   IndexRow row = story_.row();
   row.bag = bag_->path().filename();
   row.messages = recording.messages = bag_->contents().messages();
+  row.missing = states_.missing() + unwritten_;
   append_to_index(folder_, row);
   bag_->rename();
   recording.bag = bag_->path();

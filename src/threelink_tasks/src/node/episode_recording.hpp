@@ -1,10 +1,14 @@
 // The recording of one episode: its bag, its row in the index, and what went wrong.
 //
-// If the bag cannot be written, that is told, and everything but the writing goes on.
+// If the bag cannot be written, that is told, and everything but the writing goes on. What belongs
+// to the episode is told by its states: a message is of the episode once a state of its time, or of
+// a later one, is there.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +21,7 @@
 #include "bag_file.hpp"
 #include "bag_quota.hpp"
 #include "episode_index.hpp"
+#include "state_sequence.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 
 namespace threelink_tasks {
@@ -28,28 +33,38 @@ struct RecordingCounters {
   threelink_sim::Diagnostics::Counter& messages;
   threelink_sim::Diagnostics::Counter& bags;
   threelink_sim::Diagnostics::Counter& states_missing;
+  threelink_sim::Diagnostics::Counter& messages_refused;
+  threelink_sim::Diagnostics::Counter& episodes_refused;
   threelink_sim::Diagnostics::Counter& failures;
 };
 
 class EpisodeRecording {
  public:
-  // `start` is not recorded yet.
-  EpisodeRecording(const std::filesystem::path& folder, const BagQuota& quota,
-                   const threelink_msgs::Episode& start, RecordingCounters& counters);
+  using State = threelink_msgs::SwimmerState;
+  using Record = std::function<void(EpisodeRecording&)>;  // records a message
+  using Ahead = std::multimap<ros::Time, Record>;
+  template <class Message>
+  using Pointer = boost::shared_ptr<Message const>;
 
-  std::uint32_t episode() const { return episode_; }
-  ros::Time start() const { return start_; }
+  // `start` is recorded on that topic, and so is the end.
+  EpisodeRecording(const std::filesystem::path& folder, const BagQuota& quota,
+                   const std::string& topic, const threelink_msgs::EpisodeConstPtr& start,
+                   RecordingCounters& counters);
+
+  std::uint32_t episode() const { return start_->episode; }
+  ros::Time start() const { return start_->header.stamp; }
   const std::string& failure() const { return failure_; }  // empty: all is well
   std::string bag() const { return bag_ ? bag_->path().string() : std::string(); }
 
-  // Of earlier messages, and of states that were recorded before, nothing is recorded. What is
-  // latched is latched again by `rosbag play`.
+  // Of earlier messages nothing is recorded. What is latched is latched again by `rosbag play`.
   template <class Message>
-  void record(const std::string& topic, const ros::Time& stamp, const Message& message,
+  void record(const std::string& topic, const ros::Time& stamp, const Pointer<Message>& message,
               bool latched = false);
+  void record_state(const std::string& topic, const Pointer<State>& state);
 
-  // The end was announced: the episode ends in that state, or in one that nobody knows.
-  void expect_end(std::optional<std::uint64_t> last_step);
+  // The episode is said to end, in a state that is known or not. If it goes on, it was not so.
+  void expect_end(const threelink_msgs::EpisodeConstPtr& end);
+  void expect_end();
   // Whether the end was announced, and all that belongs to it is here or will not come any more.
   bool all_arrived() const;
 
@@ -58,43 +73,63 @@ class EpisodeRecording {
 
   // Ends the bag, on this topic, with what is in it, and lists it. Returns what is to be announced.
   threelink_msgs::Recording close(const std::string& topic);
+  // After that: what was stamped later than the last state, and may be of the next episode.
+  const Ahead& ahead() const { return ahead_; }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  // False if the message repeats one that was recorded.
-  bool is_new(const threelink_msgs::SwimmerState& message);
   template <class Message>
-  bool is_new(const Message&) {
-    return true;
-  }
+  void write(const std::string& topic, const ros::Time& stamp, const Message& message,
+             bool latched);
+  void take_state(const std::string& topic, const State& state);
+  void release_ahead();
+  void finish_states();
+  std::string losses() const;
   void watch_quota();
   // `broken`: the file is in an unknown state, and nothing of it can be written any more.
   void fail(const std::string& reason, bool broken);
   void close_bag(const std::string& topic, threelink_msgs::Recording& recording);
 
+  static constexpr std::size_t kMostAhead = 20000;  // messages
+
   std::filesystem::path folder_;
   const BagQuota& quota_;
   RecordingCounters& counters_;
-  std::uint32_t episode_;
-  ros::Time start_;
+  std::string episode_topic_, state_topic_;
+  threelink_msgs::EpisodeConstPtr start_;
   std::unique_ptr<BagFile> bag_;
   std::string failure_;
   bool broken_ = false;
   EpisodeStory story_;
-  std::optional<std::uint64_t> last_state_;       // step of the last one recorded
-  std::uint64_t states_missing_ = 0;              // before that one
-  std::optional<std::uint64_t> last_step_;        // of the episode, once its end was announced
-  std::optional<Clock::time_point> close_until_;  // end announced: by then at the latest
-  Clock::time_point last_arrival_;
+  StateSequence states_;
+  std::uint64_t unwritten_ = 0;  // states that came after the bag had failed
+  std::uint64_t refused_ = 0;    // messages that are not of the episode
+  Ahead ahead_;
+  threelink_msgs::EpisodeConstPtr end_;         // null while it is not announced, or unknown
+  std::optional<Clock::time_point> announced_;  // when the end was
+  Clock::time_point last_arrival_, last_state_arrival_;
   Clock::time_point quota_watched_;
 };
 
 template <class Message>
 void EpisodeRecording::record(const std::string& topic, const ros::Time& stamp,
-                              const Message& message, bool latched) {
+                              const Pointer<Message>& message, bool latched) {
   last_arrival_ = Clock::now();
-  if (stamp < start_ || !is_new(message)) return;
+  if (stamp < start()) return;
+  if (stamp <= states_.stamp()) return write(topic, stamp, *message, latched);
+  ahead_.emplace(stamp, [topic, stamp, message, latched](EpisodeRecording& recording) {
+    recording.record(topic, stamp, message, latched);
+  });
+  if (ahead_.size() <= kMostAhead) return;
+  ahead_.erase(std::prev(ahead_.end()));
+  ++refused_;
+  ++counters_.messages_refused;
+}
+
+template <class Message>
+void EpisodeRecording::write(const std::string& topic, const ros::Time& stamp,
+                             const Message& message, bool latched) {
   story_.hear(message);
   if (!failure_.empty()) return;
   try {

@@ -1,12 +1,10 @@
-// Reading a bag that was never closed: format 2.0, http://wiki.ros.org/Bags/Format/2.0
+// Reading a bag that was never closed.
 //
 // Without compression a chunk is a bracket around records. Going into every chunk, also one whose
 // size was never filled in, gives all messages that reached the file.
 #include "leftover_bag.hpp"
 
 #include <algorithm>
-#include <cstring>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <optional>
@@ -19,7 +17,10 @@
 #include <topic_tools/shape_shifter.h>
 #include <unistd.h>
 
+#include "../core/bag_name.hpp"
+#include "../core/bag_record.hpp"
 #include "bag_file.hpp"
+#include "threelink_sim/files.hpp"
 
 namespace threelink_tasks {
 namespace {
@@ -27,110 +28,73 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kRecovered = "_recovered";
-constexpr char kMagic[] = "#ROSBAG V2.0\n";
-constexpr std::uint8_t kMessageData = 0x02, kChunk = 0x05, kConnection = 0x07;
+constexpr std::size_t kMostBytes = (std::size_t{1} << 32) - 1;
+constexpr std::uint32_t kSecond = 1000000000;  // [ns]
 
-using Fields = std::map<std::string, std::string>;
-
-class RecordReader {
+// The lock that a recorder holds on a bag that it writes.
+class Lock {
  public:
-  explicit RecordReader(const fs::path& path)
-      : file_(path, std::ios::binary), left_(fs::file_size(path)) {
-    if (read(std::strlen(kMagic)) != kMagic)
-      throw std::runtime_error(fmt::format("{} is not a bag of format 2.0", path.string()));
+  explicit Lock(const fs::path& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)),
+        held_(descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {}
+  ~Lock() {
+    if (descriptor_ >= 0) ::close(descriptor_);
   }
-
-  // A length and that many bytes; nothing where the file ends before them.
-  std::optional<std::string> read_sized() {
-    const std::optional<std::uint32_t> size = read_size();
-    return size ? read(*size) : std::nullopt;
-  }
-
-  std::optional<std::uint32_t> read_size() {
-    const std::optional<std::string> bytes = read(sizeof(std::uint32_t));
-    if (!bytes) return std::nullopt;
-    std::uint32_t size;
-    std::memcpy(&size, bytes->data(), sizeof size);
-    return size;
-  }
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+  explicit operator bool() const { return held_; }
 
  private:
-  std::optional<std::string> read(std::uintmax_t size) {
-    if (size > left_) return std::nullopt;
-    left_ -= size;
-    std::string bytes(size, '\0');
-    if (!file_.read(bytes.data(), static_cast<std::streamsize>(size))) return std::nullopt;
-    return bytes;
-  }
-
-  std::ifstream file_;
-  std::uintmax_t left_;
+  int descriptor_;
+  bool held_;
 };
-
-// Fields of a header: length, name, '=', value. What is no header gives no fields.
-Fields fields_of(const std::string& header) {
-  Fields fields;
-  std::size_t at = 0;
-  while (at + sizeof(std::uint32_t) <= header.size()) {
-    std::uint32_t size;
-    std::memcpy(&size, header.data() + at, sizeof size);
-    at += sizeof size;
-    if (size > header.size() - at) return {};
-    const std::string field = header.substr(at, size);
-    const std::size_t equals = field.find('=');
-    if (equals == std::string::npos) return {};
-    fields[field.substr(0, equals)] = field.substr(equals + 1);
-    at += size;
-  }
-  return fields;
-}
-
-// An integer field; 0, which is no op and no connection of ours that was not announced, without it.
-template <class Integer>
-Integer integer(const Fields& fields, const std::string& name) {
-  Integer value = 0;
-  const auto field = fields.find(name);
-  if (field != fields.end() && field->second.size() == sizeof value)
-    std::memcpy(&value, field->second.data(), sizeof value);
-  return value;
-}
 
 struct Connection {
   std::string topic;
   topic_tools::ShapeShifter message;
 };
 
+using Take =
+    std::function<void(const std::string&, const ros::Time&, const topic_tools::ShapeShifter&)>;
+
+std::string text(const BagFields& fields, const char* name) {
+  return std::string(fields.text(name));
+}
+
 // Calls `take` with every whole message of a bag without an index, in the order of the file.
-void read_messages(const fs::path& path,
-                   const std::function<void(const std::string&, const ros::Time&,
-                                            const topic_tools::ShapeShifter&)>& take) {
-  RecordReader reader(path);
+void read_messages(const fs::path& path, const Take& take) {
+  const std::string bytes = threelink_sim::read_file(path, kMostBytes);
+  if (bytes.compare(0, kBagMagic.size(), kBagMagic) != 0)
+    throw BagError(path.string() + " is no bag of format 2.0");
+  BagCursor cursor(bytes, kBagMagic.size());
   std::map<std::uint32_t, Connection> connections;
-  while (const std::optional<std::string> header = reader.read_sized()) {
-    Fields fields = fields_of(*header);
-    const auto op = integer<std::uint8_t>(fields, "op");
-    if (op == kChunk) {
-      reader.read_size();
+  while (const auto header = cursor.take_sized()) {
+    const BagFields fields = BagFields::parse(*header).value_or(BagFields());
+    if (fields.op() == BagOp::kChunk) {
+      cursor.take_integer<std::uint32_t>();
       continue;
     }
-    std::optional<std::string> data = reader.read_sized();
+    const auto data = cursor.take_sized();
     if (!data) return;
-    const auto id = integer<std::uint32_t>(fields, "conn");
-    if (op == kConnection) {
-      Fields type = fields_of(*data);
-      Connection& connection = connections[id];
-      connection.topic = fields["topic"];
-      connection.message.morph(type["md5sum"], type["type"], type["message_definition"],
-                               type["latching"]);
-    } else if (op == kMessageData && connections.count(id) != 0) {
-      const auto time = integer<std::uint64_t>(fields, "time");
-      auto* bytes = reinterpret_cast<std::uint8_t*>(data->data());
-      ros::serialization::IStream stream(bytes, static_cast<std::uint32_t>(data->size()));
-      Connection& connection = connections[id];
+    const auto id = fields.integer<std::uint32_t>("conn");
+    if (!id) continue;
+    if (fields.op() == BagOp::kConnection) {
+      const BagFields type = BagFields::parse(*data).value_or(BagFields());
+      Connection& connection = connections[*id];
+      connection.topic = text(fields, "topic");
+      connection.message.morph(text(type, "md5sum"), text(type, "type"),
+                               text(type, "message_definition"), text(type, "latching"));
+    } else if (fields.op() == BagOp::kMessage && connections.count(*id) != 0) {
+      const auto time = fields.integer<std::uint64_t>("time").value_or(0);
+      const auto seconds = static_cast<std::uint32_t>(time);
+      const auto nanoseconds = static_cast<std::uint32_t>(time >> 32);
+      if (time == 0 || nanoseconds >= kSecond) continue;  // a damaged one
+      // The stream writes nothing.
+      auto* content = reinterpret_cast<std::uint8_t*>(const_cast<char*>(data->data()));
+      ros::serialization::IStream stream(content, static_cast<std::uint32_t>(data->size()));
+      Connection& connection = connections[*id];
       connection.message.read(stream);
-      take(connection.topic,
-           ros::Time(static_cast<std::uint32_t>(time), static_cast<std::uint32_t>(time >> 32)),
-           connection.message);
+      take(connection.topic, ros::Time(seconds, nanoseconds), connection.message);
     }
   }
 }
@@ -138,8 +102,11 @@ void read_messages(const fs::path& path,
 void tell(EpisodeStory& story, const topic_tools::ShapeShifter& message) {
   const auto tell_as = [&](auto type) {
     using Message = decltype(type);
-    if (message.getDataType() == ros::message_traits::datatype<Message>())
+    if (message.getDataType() != ros::message_traits::datatype<Message>()) return;
+    try {
       story.hear(*message.instantiate<Message>());
+    } catch (const std::exception&) {  // it is damaged, and tells nothing
+    }
   };
   tell_as(threelink_msgs::Episode());
   tell_as(threelink_msgs::SwimmerState());
@@ -153,22 +120,21 @@ std::vector<fs::path> leftover_bags(const fs::path& folder) {
   std::error_code unreadable;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
     const fs::path path = entry.path();
-    if (path.extension() != kActiveSuffix || path.stem().extension() != ".bag") continue;
+    if (path.extension() != kActiveSuffix || !is_bag_name(path.stem().string())) continue;
     // What an interrupted recovery has written is written anew from its leftover.
     const std::string name = path.stem().stem();
     if (name.size() > kRecovered.size() &&
         name.compare(name.size() - kRecovered.size(), kRecovered.size(), kRecovered) == 0)
       continue;
-    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) continue;
-    if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) leftovers.push_back(path);
-    ::close(descriptor);
+    if (fs::is_regular_file(entry.symlink_status()) && Lock(path)) leftovers.push_back(path);
   }
   std::sort(leftovers.begin(), leftovers.end());
   return leftovers;
 }
 
 std::optional<IndexRow> recover_leftover(const fs::path& leftover) {
+  const Lock lock(leftover);  // until it is gone, so that no other recorder recovers it as well
+  if (!lock) return std::nullopt;
   const fs::path folder = leftover.parent_path();
   const std::string name = leftover.stem().stem();  // without .bag.active
   const std::vector<std::string> listed = indexed_bags(folder);
@@ -185,6 +151,8 @@ std::optional<IndexRow> recover_leftover(const fs::path& leftover) {
   }
   EpisodeStory story;
   IndexRow row;
+  std::error_code absent;
+  fs::remove(folder / (name + kRecovered + ".bag" + kActiveSuffix), absent);
   BagFile bag(folder / (name + kRecovered + ".bag"));
   try {
     read_messages(leftover, [&](const std::string& topic, const ros::Time& time,

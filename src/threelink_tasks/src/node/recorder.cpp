@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -30,15 +31,17 @@ using namespace std::chrono_literals;
 using diagnostic_msgs::DiagnosticStatus;
 using threelink_msgs::Episode;
 using threelink_msgs::Recording;
+using threelink_msgs::SwimmerState;
 
 constexpr char kTransforms[] = "/tf";
 constexpr char kStaticTransforms[] = "/tf_static";
 
-constexpr std::uint32_t kQueue = 100000;  // messages a topic: some seconds of a slow disk
-constexpr std::size_t kMaxEarly = 10000;  // messages that wait for an episode to start
-constexpr auto kNap = 2ms;                // between looks at what has arrived
-constexpr auto kSettled = 100ms;          // connections are up for good after this
-constexpr auto kPatience = 1s;            // for the task's last words
+constexpr std::uint32_t kQueue = 100000;   // messages a topic: some seconds of a slow disk
+constexpr std::size_t kMaxEarly = 20000;   // messages that wait for an episode to start
+constexpr auto kNap = 2ms;                 // between looks at what has arrived
+constexpr std::size_t kMaxLatched = 1000;  // messages that are repeated in each bag
+constexpr auto kSettled = 100ms;           // connections are up for good after this
+constexpr auto kPatience = 1s;             // for the task's last words
 
 template <class Message>
 ros::Time stamp_of(const Message& message) {
@@ -61,11 +64,13 @@ Recorder::Recorder(const RecorderParameters& parameters)
                    [this](threelink_sim::Diagnostics::Status& status, double) { report(status); }),
       counters_(diagnostics_),
       recording_(node_.advertise<Recording>(topics::kRecording, 10, true)) {
+  if (const std::string reason = why_not_writable(parameters.folder); !reason.empty())
+    refuse_folder(reason);
   recover_leftovers();
   // Waking up for each message takes more of the machine than recording it, and the machine is busy
   // with the loop that is recorded: the network thread naps as run() does.
   ros::PollManager::instance()->addPollThreadListener([] { std::this_thread::sleep_for(kNap); });
-  listen<threelink_msgs::SwimmerState>(topics::kState);
+  subscribers_.push_back(node_.subscribe(topics::kState, kQueue, &Recorder::on_state, this));
   listen<geometry_msgs::PointStamped>(topics::kTarget);
   listen<threelink_msgs::Observation>(topics::kObservation);
   listen<threelink_msgs::HingeRates>(topics::kHingeRates);
@@ -95,6 +100,7 @@ int Recorder::run() {
     std::this_thread::sleep_for(kNap);
     ros::getGlobalCallbackQueue()->callAvailable();
     if (!ready_) announce_ready();
+    if (!open_) join_late();
     if (open_) open_->tend();
     if (open_ && open_->all_arrived()) close_episode(parameters_.pictures);
     announce_finished();
@@ -113,73 +119,70 @@ void Recorder::listen(const std::string& topic) {
   subscribers_.push_back(node_.subscribe<Message>(topic, kQueue, callback));
 }
 
+void Recorder::keep_early(Early message) {
+  early_.push_back(std::move(message));
+  if (early_.size() > kMaxEarly) early_.pop_front();
+}
+
+// The episode that a message is of; nothing if it is not numbered by episodes.
+template <class Message>
+std::optional<std::uint32_t> episode_of(const Message& message, decltype(message.episode)*) {
+  return message.episode;
+}
+template <class Message>
+std::optional<std::uint32_t> episode_of(const Message&, ...) {
+  return std::nullopt;
+}
+
 template <class Message>
 void Recorder::on_message(const std::string& topic,
                           const boost::shared_ptr<Message const>& message) {
   const ros::Time stamp = stamp_of(*message);
-  if (open_) return open_->record(topic, stamp, *message);
-  early_.push_back({stamp, [=] { open_->record(topic, stamp, *message); }});
-  if (early_.size() > kMaxEarly) early_.pop_front();
+  const std::optional<std::uint32_t> episode = episode_of(*message, nullptr);
+  if (open_ && episode.value_or(open_->episode()) == open_->episode())
+    return open_->record(topic, stamp, message);
+  keep_early(
+      {[=](EpisodeRecording& open) { open.record(topic, stamp, message); }, episode, nullptr, ""});
+}
+
+void Recorder::on_state(const Event<SwimmerState>& event) {
+  const threelink_msgs::SwimmerStateConstPtr state = event.getConstMessage();
+  const std::string topic = node_.resolveName(topics::kState);
+  if (open_ && state->episode == open_->episode() && !is_start(*state))
+    return open_->record_state(topic, state);
+  keep_early({[=](EpisodeRecording& open) { open.record_state(topic, state); }, state->episode,
+              state, event.getPublisherName()});
+  open_with(*state, event.getPublisherName());
 }
 
 template <class Message>
 void Recorder::remember(const std::string& topic, const std::string& key,
                         const boost::shared_ptr<Message const>& message) {
-  const auto record = [=] { open_->record(topic, open_->start(), *message, true); };
-  latched_[topic + " " + key] = record;
-  if (open_) record();
-}
-
-void Recorder::on_episode(const threelink_msgs::EpisodeConstPtr& message) {
-  if (message->status == Episode::STARTED) {
-    if (message->header.stamp <= last_start_) return;  // a repetition
-    if (open_) close_episode(parameters_.pictures);
-    open_episode(*message);
+  const auto record = [=](EpisodeRecording& open) {
+    open.record(topic, open.start(), message, true);
+  };
+  if (latched_.size() >= kMaxLatched && latched_.count(topic + " " + key) == 0) {
+    ++counters_.messages_refused;
     return;
   }
-  if (!open_ || message->episode != open_->episode()) return;
-  open_->record(node_.resolveName(topics::kEpisode), message->header.stamp, *message, true);
-  open_->expect_end(message->step);
-}
-
-void Recorder::on_abort(const threelink_msgs::EpisodeAbortConstPtr& message) {
-  if (!open_ || message->episode != open_->episode()) return;
-  open_->record(node_.resolveName(topics::kAbort), message->header.stamp, *message);
-  open_->expect_end(std::nullopt);  // the task's Episode message should follow
-}
-
-// --- Episodes ------------------------------------------------------------------------------------
-
-void Recorder::open_episode(const threelink_msgs::Episode& message) {
-  last_start_ = message.header.stamp;
-  open_.emplace(parameters_.folder, quota_, message, counters_);
-  open_->record(node_.resolveName(topics::kEpisode), open_->start(), message, true);
-  for (const auto& [key, record] : latched_) record();
-  for (const Early& early : early_) early.record();
-  early_.clear();
-}
-
-void Recorder::close_episode(bool picture) {
-  Finished finished;
-  finished.recording = open_->close(node_.resolveName(topics::kRecording));
-  last_failure_ = open_->failure();
-  open_.reset();
-  if (picture && finished.recording.state == Recording::WRITTEN) {
-    const fs::path bag = finished.recording.bag;
-    finished.recording.picture = fs::path(bag).replace_extension(".png");
-    try {
-      finished.drawing = std::make_unique<ChildProcess>(std::vector<std::string>{
-          beside_this_program("plot_episode"), bag, "--path", "--out", finished.recording.picture});
-    } catch (const std::exception& error) {
-      ROS_ERROR("%s", error.what());
-      finished.recording.picture.clear();
-      finished.recording.status += fmt::format("; {}", error.what());
-    }
-  }
-  finished_.push_back(std::move(finished));
+  latched_[topic + " " + key] = record;
+  if (open_) record(*open_);
 }
 
 // --- The rest ------------------------------------------------------------------------------------
+
+// The task, which waits for this node, is told first: it then refuses to start.
+void Recorder::refuse_folder(const std::string& reason) {
+  Recording recording;
+  recording.state = Recording::FAILED;
+  recording.status = fmt::format("~bag_dir = {}: {}", parameters_.folder.string(), reason);
+  recording_.publish(recording);
+  const auto until = Clock::now() + kPatience;
+  while (threelink_sim::running() && recording_.getNumSubscribers() == 0 && Clock::now() < until)
+    std::this_thread::sleep_for(kNap);
+  std::this_thread::sleep_for(kSettled);
+  throw threelink_sim::UsageError(recording.status);
+}
 
 void Recorder::recover_leftovers() {
   for (const fs::path& leftover : leftover_bags(parameters_.folder)) {

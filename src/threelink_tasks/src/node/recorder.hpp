@@ -1,9 +1,10 @@
 // Records every episode into a bag of its own.
 //
-// A recording begins with the Episode message that starts the episode, and ends after the one that
-// ends it (or the simulator's abort) as soon as nothing more comes in. Messages are told apart by
-// their stamps, which rise over all episodes; those that overtake the start message wait for it in
-// early_. Latched messages that are older than the episode are repeated in each bag.
+// An Episode message that starts an episode is believed once a state agrees with it: the very state
+// that it is about, or later ones of the same episode, if this node came late. The recording ends
+// after the Episode message that ends it (or the simulator's abort) as soon as nothing more comes
+// in. What overtakes the start waits for it in early_. Latched messages that are older than the
+// episode are repeated in each bag.
 #pragma once
 
 #include <chrono>
@@ -13,14 +14,17 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include <ros/message_event.h>
 #include <ros/node_handle.h>
 #include <tf2_msgs/TFMessage.h>
 #include <threelink_msgs/Episode.h>
 #include <threelink_msgs/EpisodeAbort.h>
 #include <threelink_msgs/Recording.h>
+#include <threelink_msgs/SwimmerState.h>
 
 #include "child_process.hpp"
 #include "episode_recording.hpp"
@@ -36,7 +40,8 @@ struct RecorderParameters {
 
 class Recorder {
  public:
-  // Recovers what an earlier recorder left open, then subscribes.
+  // Recovers what an earlier recorder left open, then subscribes. Throws threelink_sim::UsageError
+  // if no file can be made in the folder.
   explicit Recorder(const RecorderParameters& parameters);
 
   // Records until the node has to end; an open bag is then closed within about a second.
@@ -45,9 +50,23 @@ class Recorder {
  private:
   using Clock = std::chrono::steady_clock;
 
+  template <class Message>
+  using Event = ros::MessageEvent<Message const>;
+
+  using Record = EpisodeRecording::Record;
+
   struct Early {
-    ros::Time stamp;
-    std::function<void()> record;
+    Record record;
+    std::optional<std::uint32_t> episode;        // nothing if it is not numbered by episodes
+    threelink_msgs::SwimmerStateConstPtr state;  // null if it is another message
+    std::string publisher;                       // of a state
+  };
+  struct Candidate {  // may have started
+    threelink_msgs::EpisodeConstPtr start;
+    threelink_msgs::EpisodeConstPtr end;  // null if it has not ended yet
+    std::string publisher;
+    std::string refusal;  // why it is not recorded; empty if it is
+    Clock::time_point heard;
   };
   struct Finished {
     threelink_msgs::Recording recording;
@@ -59,16 +78,26 @@ class Recorder {
   void listen(const std::string& topic);
   template <class Message>
   void on_message(const std::string& topic, const boost::shared_ptr<Message const>& message);
+  void on_state(const Event<threelink_msgs::SwimmerState>& event);
   // Latched ones that outlive an episode; `key` tells apart those that do not replace each other.
   template <class Message>
   void remember(const std::string& topic, const std::string& key,
                 const boost::shared_ptr<Message const>& message);
-  void on_episode(const threelink_msgs::EpisodeConstPtr& message);
-  void on_abort(const threelink_msgs::EpisodeAbortConstPtr& message);
+  void on_episode(const Event<threelink_msgs::Episode>& event);
+  void on_start(const Event<threelink_msgs::Episode>& event);
+  void on_abort(const Event<threelink_msgs::EpisodeAbort>& event);
+  void keep_early(Early message);
 
-  void open_episode(const threelink_msgs::Episode& message);
+  bool is_start(const threelink_msgs::SwimmerState& state) const;
+  // Opens the episode that a state is the start of; false if there is none.
+  bool open_with(const threelink_msgs::SwimmerState& state, const std::string& publisher);
+  // Opens an episode that began before this node did.
+  void join_late();
+  void open_episode(const Candidate& candidate, const std::string& simulator);
+  void refuse_episode(const Candidate& candidate);
   void close_episode(bool picture);
 
+  void refuse_folder(const std::string& reason);
   void recover_leftovers();
   void announce_ready();
   void announce_finished();
@@ -85,9 +114,12 @@ class Recorder {
   ros::Publisher recording_;
 
   std::deque<Early> early_;
-  std::map<std::string, std::function<void()>> latched_;  // records the message again
+  std::deque<Candidate> candidates_;
+  std::set<std::string> warned_;           // reasons of refusals, each of which is logged once
+  std::map<std::string, Record> latched_;  // records the message again
   std::optional<EpisodeRecording> open_;
-  ros::Time last_start_;  // of the episode opened last
+  std::string task_, simulator_;                // nodes that started the episode opened last
+  threelink_msgs::EpisodeConstPtr last_start_;  // of that one; null before
   std::optional<Clock::time_point> connected_since_;
   bool ready_ = false;
   std::deque<Finished> finished_;  // to be announced, in order

@@ -11,6 +11,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include "point_input.hpp"
+#include "recording_words.hpp"
 #include "revision.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
@@ -133,6 +134,9 @@ void TaskPlayer::wait_until_ready() {
         fmt::format("no recorder is ready on {} in {} s: is recorder_node running, and every topic "
                     "that it waits for? (record:=false does without)",
                     recording_subscriber_.getTopic(), config_.start_timeout));
+  if (config_.record && recording_ && recording_->state == Recording::FAILED &&
+      recording_->episode == 0)
+    throw threelink_sim::UsageError("the recorder cannot record: " + recording_->status);
 }
 
 void TaskPlayer::start_episode() {
@@ -257,6 +261,8 @@ std::string TaskPlayer::line() const {
   if (recording_->state == Recording::FAILED)
     return text + fmt::format(", no bag ({})", recording_->status);
   text += ", bag " + recording_->bag;
+  if (recording_->status.rfind(kNothingMissing, 0) != 0)
+    text += fmt::format(" ({})", recording_->status);
   return text + (recording_->picture.empty() ? ", no picture" : ", picture " + recording_->picture);
 }
 
