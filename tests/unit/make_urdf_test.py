@@ -98,6 +98,11 @@ class MakeUrdfTest(unittest.TestCase):
         for arguments, text in (
                 (["--links", "1"], '--links: "1" must be a whole number in [2, 32]'),
                 (["--links", "x"], '--links: "x" must be a whole number in [2, 32]'),
+                (["--links", "03"], '--links: "03" must be a whole number in [2, 32]'),
+                (["--links=-3"], '--links: "-3" must be a whole number in [2, 32]'),
+                (["--links", " 3"], '--links: " 3" must be a whole number in [2, 32]'),
+                (["--links", ""], '--links: "" must be a whole number in [2, 32]'),
+                (["--length-scale", " 3"], '--length-scale: " 3" must be a number'),
                 (["--links", "9" * 30], "must be a whole number in [2, 32]"),
                 (["--length-scale", "0"], '--length-scale: "0" must be a number in [1e-09, 1000000]'),
                 (["--time-scale", "nan"], '--time-scale: "nan" must be a number in [0.001, 1000]'),

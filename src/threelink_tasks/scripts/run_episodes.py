@@ -7,6 +7,7 @@ Needs a task node that serves the action run_episode:
   rosrun threelink_tasks run_episodes.py --task waypoints --parameters "{threshold: 0.05}"
 """
 import argparse
+import os
 import sys
 import time
 
@@ -60,4 +61,12 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        ended = main()
+        sys.stdout.flush()
+    except OSError as failure:
+        print(f"run_episodes: standard output cannot be written: {failure.strerror}",
+              file=sys.stderr)
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for the flush at exit
+        ended = 1
+    sys.exit(ended)

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cerrno>
-#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -17,27 +16,26 @@
 
 namespace threelink_sim {
 
-// A whole number from low to high, in decimal.
+// A whole number from low to high, in decimal. What CLI11 would read as octal, 010, is none.
 template <class Integer>
 CLI::Validator whole_number(Integer low, Integer high = std::numeric_limits<Integer>::max()) {
   static_assert(std::is_integral_v<Integer>);
   const std::string bounds = fmt::format("in [{}, {}]", low, high);
+  const auto taken = [=](const std::string& text) {
+    const bool negative = text[0] == '-';
+    const std::string digits = text.substr(negative ? 1 : 0);
+    if (digits.empty() || digits.find_first_not_of("0123456789") != std::string::npos) return false;
+    if ((digits[0] == '0' && text.size() > 1) || (negative && low >= 0)) return false;
+    errno = 0;
+    if (negative) return std::strtoll(text.c_str(), nullptr, 10) >= std::int64_t(low) && errno == 0;
+    const std::uint64_t value = std::strtoull(text.c_str(), nullptr, 10);
+    return errno == 0 && value <= static_cast<std::uint64_t>(high) &&
+           (low < 0 || value >= static_cast<std::uint64_t>(low));
+  };
   return CLI::Validator(
       [=](std::string& text) -> std::string {
-        errno = 0;
-        char* end = nullptr;
-        // -1 is a number of strtoull(), too.
-        const bool negative = text.find('-') != std::string::npos;
-        const auto large = negative ? 0 : std::strtoull(text.c_str(), &end, 10);
-        const auto small = negative ? std::strtoll(text.c_str(), &end, 10) : 0;
-        const bool in_range =
-            negative ? std::is_signed_v<Integer> && small >= static_cast<std::int64_t>(low)
-                     : large <= static_cast<std::uint64_t>(high) &&
-                           (low < 0 || large >= static_cast<std::uint64_t>(low));
-        const bool digits = text.find_first_not_of("0123456789+-") == std::string::npos;
-        if (text.empty() || !digits || *end != '\0' || errno == ERANGE || !in_range)
-          return fmt::format("\"{}\" must be a whole number {}", excerpt(text), bounds);
-        return "";
+        if (taken(text)) return "";
+        return fmt::format("\"{}\" must be a whole number {}", excerpt(text), bounds);
       },
       bounds);
 }
@@ -50,7 +48,8 @@ inline CLI::Validator real_number(double low = -std::numeric_limits<double>::max
   return CLI::Validator(
       [=](std::string& text) -> std::string {
         const auto value = decimal_number(text);
-        if (value && *value >= low && *value <= high) return "";
+        const bool blank = text.find_first_of(" \t\r") != std::string::npos;  // CLI11 takes none
+        if (value && *value >= low && *value <= high && !blank) return "";
         return fmt::format("\"{}\" must be a {}number{}", excerpt(text), bounded ? "" : "finite ",
                            bounded ? " " + bounds : "");
       },
