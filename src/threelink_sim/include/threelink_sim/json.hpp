@@ -14,8 +14,8 @@ namespace threelink_sim {
 // out of stack.
 constexpr std::size_t kMaxJsonDepth = 32;
 
-// One JSON text (RFC 8259), as bytes of UTF-8. Throws FormatError, before anything is built, for
-// text that is not JSON ("is not JSON: ..." with line and column), for a byte order mark, for more
+// One JSON text (RFC 8259), as bytes of UTF-8. Throws FormatError, as soon as it is met, for text
+// that is not JSON ("is not JSON: ..." with line and column), for a byte order mark, for more
 // than max_values values, for more depth than kMaxJsonDepth and for an object that has a key twice.
 nlohmann::json parse_json(const std::string& text, std::size_t max_values = 100'000);
 

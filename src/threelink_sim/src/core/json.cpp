@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <set>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -23,44 +23,34 @@ std::string position(const std::string& text, std::size_t at) {
   return fmt::format("line {}, column {}", lines + 1, end - line + 1);
 }
 
-// Follows the library's parser and throws before a text costs more than it may. The parser itself
-// does not recurse.
-class Checker {
+// Builds what the library's parser reads, and throws before a text costs more than it may. The
+// parser itself does not recurse.
+class Builder {
  public:
-  Checker(const std::string& text, std::size_t max_values) : text_(text), max_values_(max_values) {}
+  Builder(const std::string& text, std::size_t max_values) : text_(text), max_values_(max_values) {}
 
-  bool null() { return value(); }
-  bool boolean(bool) { return value(); }
-  bool number_integer(std::int64_t) { return value(); }
-  bool number_unsigned(std::uint64_t) { return value(); }
-  bool number_float(double, const std::string&) { return value(); }
-  bool string(const std::string&) { return value(); }
+  json take() { return std::move(root_); }
+
+  bool null() { return add(nullptr); }
+  bool boolean(bool value) { return add(value); }
+  bool number_integer(std::int64_t value) { return add(value); }
+  bool number_unsigned(std::uint64_t value) { return add(value); }
+  bool number_float(double value, const std::string&) { return add(value); }
+  bool string(std::string& value) { return add(std::move(value)); }
   template <class Binary>  // not in version 3.7, and not in JSON
   bool binary(Binary&) {
-    return value();
+    return false;
   }
-  bool start_object(std::size_t) {
-    deeper();
-    keys_.emplace_back();
-    return true;
-  }
-  bool end_object() {
-    keys_.pop_back();
-    --depth_;
-    return true;
-  }
-  bool start_array(std::size_t) {
-    deeper();
-    return true;
-  }
-  bool end_array() {
-    --depth_;
-    return true;
-  }
+  bool start_object(std::size_t) { return open(json::object()); }
+  bool end_object() { return close(); }
+  bool start_array(std::size_t) { return open(json::array()); }
+  bool end_array() { return close(); }
   bool key(const std::string& key) {
-    if (!keys_.back().insert(key).second)
+    const auto [member, is_new] = open_.back()->emplace(key, nullptr);
+    if (!is_new)
       throw FormatError(fmt::format("an object has the key \"{}\" twice", excerpt(key)),
                         "an object has a key twice");
+    member_ = &*member;
     return true;
   }
   template <class Exception>
@@ -76,21 +66,37 @@ class Checker {
  private:
   static constexpr int kOutOfRange = 406;  // of nlohmann's errors
 
-  bool value() {
-    if (++values_ > max_values_)
-      throw FormatError(fmt::format("has more than {} values", max_values_));
+  bool add(json value) {
+    place(std::move(value));
     return true;
   }
 
-  void deeper() {
-    value();
-    if (++depth_ > kMaxJsonDepth)
+  json& place(json&& value) {
+    if (++values_ > max_values_)
+      throw FormatError(fmt::format("has more than {} values", max_values_));
+    if (open_.empty()) return root_ = std::move(value);
+    if (open_.back()->is_object()) return *member_ = std::move(value);
+    open_.back()->push_back(std::move(value));
+    return open_.back()->back();
+  }
+
+  bool open(json&& value) {
+    if (open_.size() == kMaxJsonDepth)
       throw FormatError(fmt::format("is nested more than {} deep", kMaxJsonDepth));
+    open_.push_back(&place(std::move(value)));
+    return true;
+  }
+
+  bool close() {
+    open_.pop_back();
+    return true;
   }
 
   const std::string& text_;
-  std::size_t max_values_, values_ = 0, depth_ = 0;
-  std::vector<std::set<std::string>> keys_;  // of the objects that are open
+  std::size_t max_values_, values_ = 0;
+  json root_;
+  std::vector<json*> open_;  // objects and lists that are not closed yet
+  json* member_ = nullptr;   // of the innermost object: the one whose value is next
 };
 
 void write(const json& value, std::size_t most, int depth, std::string& text) {
@@ -123,9 +129,9 @@ json parse_json(const std::string& text, std::size_t max_values) {
   if (!mistaken.empty()) throw FormatError(mistaken);
   if (text.compare(0, kByteOrderMark.size(), kByteOrderMark) == 0)
     throw FormatError("is not JSON: begins with a byte order mark");
-  Checker checker(text, max_values);
-  json::sax_parse(text, &checker);
-  return json::parse(text);
+  Builder builder(text, max_values);
+  json::sax_parse(text, &builder);
+  return builder.take();
 }
 
 std::string json_excerpt(const json& value) {
