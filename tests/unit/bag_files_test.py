@@ -212,6 +212,15 @@ class BagFilesTest(unittest.TestCase):
             path = self.write("lie.bag", data.replace(old, new))
             self.assertIn(run("verify_bag", path)[0], (NOT_PROVEN, UNREADABLE), old)
 
+    def test_a_message_that_is_there_twice_is_found(self):
+        with rosbag.Bag(BAGS[0]) as bag:
+            messages = list(bag.read_messages(raw=True))
+        for topic in {message[0] for message in messages}:
+            with rosbag.Bag(self.path("twice.bag"), "w") as bag:
+                for message in messages + [m for m in messages if m[0] == topic][-1:]:
+                    bag.write(*message, raw=True)
+            self.assertIn(run("verify_bag", self.path("twice.bag"))[0], (NOT_PROVEN, UNREADABLE), topic)
+
     def test_an_episode_that_is_none_is_refused(self):
         def nested(episode):
             episode.config = "simulator: " + "[" * 20000

@@ -76,6 +76,7 @@ RecordedBag read_messages(const BagReader& reader) {
     const std::string name = topic.substr(topic.rfind('/') + 1);
     bag.ours = bag.ours || stored.connection->type.rfind("threelink_msgs/", 0) == 0;
     if (name == topics::kRecording) {
+      if (bag.seal) throw BagError(topic + ": more than one message ends the bag");
       bag.seal = *read<threelink_msgs::Recording>(stored, checked);
       bag.seal_time = time_of(stored);
       bag.seal_namespace = topic.substr(0, topic.size() - name.size());
