@@ -83,6 +83,29 @@ class TrialsToolTest(unittest.TestCase):
         self.assertIsNone(told["median_steps"])
         self.assertTrue(0.39 < told["final_distance_median"] < 0.51)
 
+    def test_parameters_are_those_that_were_given(self):
+        slow = results("pursuit", "--trials", 3, "--seed", 3, "--v-ratio", 0)
+        self.assertEqual(results("pursuit", "--trials", 3, "--seed", 3,
+                                 "--parameters", "{v_ratio: 0}"), slow)
+        self.assertNotEqual(results("pursuit", "--trials", 3, "--seed", 3), slow)
+        # One star for all, in whose steps no seed changes anything.
+        for parameters in ("random_star: false", "radius: 0.8", "rotation: 0.3"):
+            stars = [results("star", "--trials", 1, "--seed", seed, "--mean", "--parameters",
+                             "{threshold: 0.05, %s}" % parameters) for seed in (1, 2)]
+            self.assertEqual(*stars)
+
+    def test_what_is_given_twice_is_refused(self):
+        for task, option, value, parameters in (
+                ("pursuit", "--v-ratio", "0.5", "{v_ratio: 0.5}"),
+                ("star", "--max-steps", "7", "{max_steps: 8}"),
+                ("star", "--waypoints", "a.csv", "{points: b.csv}")):
+            with self.subTest(option):
+                done = trials("--task", task, "--policy", POLICY, option, value,
+                              "--parameters", parameters)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn("%s %s and --parameters %s:" % (option, value, parameters),
+                              done.stderr)
+
     def test_wrong_arguments_are_refused(self):
         good = ("--task", "star", "--policy", POLICY)
         for arguments, message in (
@@ -94,6 +117,11 @@ class TrialsToolTest(unittest.TestCase):
                 (good + ("--waypoints", "/no/file.csv"), "/no/file.csv: cannot be read"),
                 (good + ("--parameters", "{treshold: 1}"), "nearest one is parameters/threshold"),
                 (good + ("--parameters", "{a: ["), "--parameters"),
+                (good + ("--parameters", "abc"), "--parameters abc: must be a dictionary"),
+                (good + ("--parameters", "[1]"), "--parameters [1]: must be a dictionary"),
+                (good + ("--v-ratio", "1"), "parameters/v_ratio"),
+                (("--task", "point", "--policy", POLICY, "--waypoints", "a.csv"),
+                 "parameters/points"),
                 (good + ("--nonsense",), "--nonsense")):
             with self.subTest(arguments):
                 done = trials(*arguments)

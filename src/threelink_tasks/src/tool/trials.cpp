@@ -23,12 +23,15 @@ using threelink_sim::yaml_number;
 
 constexpr int kSuccess = 0, kFailure = 1, kMisuse = 2;
 constexpr double kBestSpeed = 0.0129154;  // [L/T0] optimum under |rate| <= 1, dt = 0.1
+constexpr double kVRatio = 0.5;           // of a pursuit
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // null in JSON
 
 struct Options {
   std::string task, policy, waypoints, parameters = "{}";
-  double v_ratio = 0.5;
+  double v_ratio = 0;
   int max_steps = 0;
+  CLI::Option* v_ratio_given = nullptr;  // whether they are
+  CLI::Option* max_steps_given = nullptr;
   TrialsConfig trials;
   bool mean = false, sampled = false;  // neither: as the policy says
   bool json = false;
@@ -39,13 +42,35 @@ std::string task_name(const Options& options) {
   return options.task == "star" ? "waypoints" : options.task;
 }
 
-// The task's parameters as the options give them.
+// The task's parameters: those of --parameters, those that other options give, and the defaults of
+// this tool for the rest.
 YAML::Node parameters(const Options& options) {
   YAML::Node node = YAML::Load(options.parameters);
-  if (options.task == "pursuit") node["v_ratio"] = yaml_number(options.v_ratio);
-  if (options.task == "star" && options.waypoints.empty()) node["random_star"] = true;
-  if (!options.waypoints.empty()) node["points"] = options.waypoints;
-  if (options.max_steps > 0) node["max_steps"] = options.max_steps;
+  if (node.IsNull()) node = YAML::Node(YAML::NodeType::Map);
+  if (!node.IsMap())
+    throw threelink_sim::UsageError(
+        fmt::format("--parameters {}: must be a dictionary, such as '{{threshold: 0.05}}'",
+                    options.parameters));
+  const auto give = [&](const char* option, const char* key, const YAML::Node& value) {
+    if (node[key])
+      throw threelink_sim::UsageError(fmt::format("{} {} and --parameters {}: {} is given twice",
+                                                  option, value.Scalar(), options.parameters, key));
+    node[key] = value;
+  };
+  if (*options.v_ratio_given)
+    give("--v-ratio", "v_ratio", YAML::Node(yaml_number(options.v_ratio)));
+  if (*options.max_steps_given) give("--max-steps", "max_steps", YAML::Node(options.max_steps));
+  if (!options.waypoints.empty()) {
+    YAML::Node file(options.waypoints);
+    file.SetTag("!");  // text, even if it looks like a number
+    give("--waypoints", "points", file);
+  }
+  const auto given = [&](std::initializer_list<const char*> keys) {
+    return std::any_of(keys.begin(), keys.end(), [&](const char* key) { return node[key]; });
+  };
+  if (options.task == "pursuit" && !given({"v_ratio"})) node["v_ratio"] = yaml_number(kVRatio);
+  if (options.task == "star" && !given({"points", "random_star", "radius", "rotation"}))
+    node["random_star"] = true;
   return node;
 }
 
@@ -122,28 +147,31 @@ int main(int argc, char** argv) {
       "Plays many episodes of a task in one process. Episode e of seed S is the same, to the bit,\n"
       "as over topics. Medians are over the completed episodes, that of the final distance over\n"
       "all; ratio = steps / (length of the way through the waypoints / (0.0129154 dt)).\n");
-  app.add_option("--task", options.task,
-                 "star (of any size and rotation), point (distance 0.001 to 0.5), pursuit, or\n"
-                 "another one of docs/tasks.md")
+  app.add_option(
+         "--task", options.task,
+         "star (of any size and rotation, unless --parameters says which), point (distance\n"
+         "0.001 to 0.5), pursuit, or another one of docs/tasks.md")
       ->required();
   app.add_option("--policy", options.policy, "policy file (.safetensors)")->required();
   app.add_option("--trials", options.trials.trials, "1 to 1000000 (default 100)")
       ->check(CLI::Range(1, 1000000));
   app.add_option("--seed", options.trials.seed, "keys all randomness (default 0)")
       ->check(CLI::Range(std::int64_t(0), std::numeric_limits<std::int64_t>::max()));
-  app.add_option("--v-ratio", options.v_ratio,
-                 "pursuit: speed of the target / speed of the policy"
-                 " (default 0.5)")
-      ->check(CLI::Range(0.0, 100.0));
-  app.add_option("--max-steps", options.max_steps, "time-out (default: that of the task)")
-      ->check(CLI::Range(1, std::numeric_limits<int>::max()));
+  options.v_ratio_given = app.add_option("--v-ratio", options.v_ratio,
+                                         "pursuit: speed of the target / speed of the policy"
+                                         " (default 0.5)")
+                              ->check(CLI::Range(0.0, 100.0));
+  options.max_steps_given =
+      app.add_option("--max-steps", options.max_steps, "time-out (default: that of the task)")
+          ->check(CLI::Range(1, std::numeric_limits<int>::max()));
   auto* mean = app.add_flag("--mean", options.mean,
                             "play the mean action (without this and the next: as the policy says)");
   app.add_flag("--sampled", options.sampled, "draw actions from the policy's distribution")
       ->excludes(mean);
   app.add_option("--waypoints", options.waypoints, "star: these points (CSV or YAML) instead");
   app.add_option("--parameters", options.parameters,
-                 "further parameters of the task, YAML: '{threshold: 0.05}'");
+                 "further parameters of the task, YAML: '{threshold: 0.05}'; none that another\n"
+                 "option gives");
   app.add_flag("--json", options.json, "one line of JSON instead of text");
   app.footer("Exit status: 0 played; 1 failed; 2 wrong arguments or file.");
   try {
