@@ -36,9 +36,10 @@ Symmetry symmetry_from_string(const std::string&);  // throws std::invalid_argum
 struct PolicyMetadata {
   threelink_sim::ObservationKind observation = threelink_sim::ObservationKind::kDirection;
   std::string action = "hinge_rates";
-  int links = 3;       // N
-  double dt = 0.1;     // [T0] action step it was trained for
-  double gamma = 0.5;  // drag ratio it was trained for
+  int links = 3;                                            // N
+  double dt = 0.1;                                          // [T0] action step it was trained for
+  double gamma = 0.5;                                       // drag ratio it was trained for
+  double joint_limit = threelink_sim::Model().joint_limit;  // [rad] likewise
   Symmetry symmetry = Symmetry::kNone;
   bool sampled = false;  // how it is best played: with sampled actions, else with their mean
   std::string config;    // YAML: the whole effective training configuration
@@ -46,7 +47,7 @@ struct PolicyMetadata {
   // Throws std::invalid_argument that names field, value and bound.
   void validate() const;
   int observation_size() const;
-  // Links, drag ratio, step and observation; the rest is the default.
+  // Links, drag ratio, joint limit, step and observation; the rest is the default.
   threelink_sim::EnvironmentConfig environment() const;
 };
 

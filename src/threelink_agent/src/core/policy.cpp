@@ -64,6 +64,7 @@ threelink_sim::EnvironmentConfig PolicyMetadata::environment() const {
   threelink_sim::EnvironmentConfig config;
   config.model.links = links;
   config.model.gamma = gamma;
+  config.model.joint_limit = joint_limit;
   config.dt = dt;
   config.observation = observation;
   return config;

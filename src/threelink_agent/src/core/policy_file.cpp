@@ -31,7 +31,9 @@ PolicyMetadata metadata_of(ContainerReader& reader) {
   metadata.config = reader.text("config");
   try {
     metadata.observation = threelink_sim::observation_kind_from_string(reader.text("observation"));
-    // The keys that may be absent: most programs know no symmetries, and play the mean.
+    // The keys that may be absent: most programs know no symmetries, play the mean, and leave the
+    // joint limit as it is.
+    if (reader.has_field("joint_limit")) metadata.joint_limit = reader.number("joint_limit");
     if (reader.has_field("symmetry"))
       metadata.symmetry = symmetry_from_string(reader.text("symmetry"));
     if (reader.has_field("actions")) metadata.sampled = sampled_from_string(reader.text("actions"));
@@ -80,6 +82,8 @@ Container to_container(const PolicyParts& parts) {
                         {"symmetry", to_string(metadata.symmetry)},
                         {"config", metadata.config}};
   if (metadata.sampled) container.metadata["actions"] = "sampled";
+  if (metadata.joint_limit != PolicyMetadata().joint_limit)
+    container.metadata["joint_limit"] = number_text(metadata.joint_limit);
   put_layers(container, kActor, parts.layers);
   put_vector(container, kLogStd, parts.log_std);
   return container;

@@ -36,8 +36,10 @@ Agent::Agent(Policy policy, const std::string& source, const AgentConfig& config
     : config_(config),
       policy_(std::move(policy)),
       source_(source),
+      swimmers_(config.allow_other_swimmer),
       diagnostics_("policy", "threelink_agent",
                    [this](Diagnostics::Status& status, double s) { report(status, s); }),
+      other_swimmer_(diagnostics_.refusals("observation refused: of another swimmer")),
       wrong_kind_(diagnostics_.refusals("observation refused: wrong kind")),
       wrong_length_(diagnostics_.refusals("observation refused: wrong length")),
       out_of_range_(diagnostics_.refusals("observation refused: out of range")),
@@ -62,14 +64,17 @@ Agent::Agent(Policy policy, const std::string& source, const AgentConfig& config
   ROS_INFO("policy %s from %s", policy_.id().c_str(), source_.c_str());
 }
 
-void Agent::on_observation(const threelink_msgs::Observation& observation) {
+void Agent::on_observation(const ros::MessageEvent<const threelink_msgs::Observation>& event) {
   const auto begin = std::chrono::steady_clock::now();
+  const threelink_msgs::Observation& observation = *event.getMessage();
   std::lock_guard<std::mutex> lock(mutex_);
   if (next_ && observation.episode != rates_.episode) {
     put_in_use(std::move(next_->policy), next_->source);
     next_.reset();
   }
-  if (!acceptable(observation)) return;
+  if (!acceptable(observation,
+                  swimmers_.refusal(event.getConnectionHeaderPtr(), policy_.metadata())))
+    return;
   rates_.header.stamp = observation.header.stamp;
   rates_.header.frame_id = observation.header.frame_id;
   rates_.episode = observation.episode;
@@ -86,10 +91,12 @@ void Agent::on_observation(const threelink_msgs::Observation& observation) {
   latency_.add(std::chrono::steady_clock::now() - begin);
 }
 
-bool Agent::acceptable(const threelink_msgs::Observation& observation) {
+bool Agent::acceptable(const threelink_msgs::Observation& observation, const std::string& refusal) {
   const PolicyMetadata& metadata = policy_.metadata();
-  std::string reason;
-  if (observation.kind != to_string(metadata.observation)) {
+  std::string reason = refusal;
+  if (!refusal.empty()) {
+    ++other_swimmer_;
+  } else if (observation.kind != to_string(metadata.observation)) {
     ++wrong_kind_;
     reason = fmt::format(
         "observation \"{}\", but policy {} takes \"{}\"; set the simulator's parameter "
@@ -124,6 +131,9 @@ bool Agent::replace(const std::string& source, Load load, std::string& status) {
     if (!same_swimmer(policy, policy_))
       throw PolicyError(fmt::format("{}: it is for {}; the one in use is for {}", source,
                                     swimmer(policy), swimmer(policy_)));
+    // One that follows a training has nothing else to play: its observations are refused.
+    const std::string refusal = config_.follow ? "" : swimmers_.refusal(policy.metadata());
+    if (!refusal.empty()) throw PolicyError(fmt::format("{}: {}", source, refusal));
     if (config_.follow)
       next_ = Successor{std::move(policy), source};
     else
@@ -148,6 +158,7 @@ void Agent::put_in_use(Policy policy, const std::string& source) {
   policy_ = std::move(policy);
   source_ = source;
   rates_.policy = policy_.id();
+  swimmers_.forget_refusals();
   ROS_INFO("policy %s from %s is in use", policy_.id().c_str(), source_.c_str());
 }
 

@@ -15,6 +15,7 @@
 #include <threelink_msgs/PolicyWeights.h>
 
 #include "latency.hpp"
+#include "swimmers.hpp"
 #include "threelink_agent/policy.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
@@ -22,9 +23,10 @@
 namespace threelink_agent {
 
 struct AgentConfig {
-  std::optional<bool> sampled;  // draw actions, or take their mean; else as each policy says
-  std::uint64_t seed = 0;       // keys what is drawn
-  bool follow = false;          // new policies play from the next episode on, not at once
+  std::optional<bool> sampled;       // draw actions, or take their mean; else as each policy says
+  std::uint64_t seed = 0;            // keys what is drawn
+  bool follow = false;               // new policies play from the next episode on, not at once
+  bool allow_other_swimmer = false;  // than the one that a policy was trained for
 };
 
 class Agent {
@@ -36,13 +38,13 @@ class Agent {
   using Diagnostics = threelink_sim::Diagnostics;
 
   // Answers without allocating, but for what roscpp does.
-  void on_observation(const threelink_msgs::Observation& observation);
+  void on_observation(const ros::MessageEvent<const threelink_msgs::Observation>& event);
   void on_policy(const threelink_msgs::PolicyWeights::ConstPtr& weights);
   void load(const threelink_msgs::PolicyWeights& weights);
   bool on_load(threelink_msgs::LoadPolicy::Request& request,
                threelink_msgs::LoadPolicy::Response& response);
 
-  bool acceptable(const threelink_msgs::Observation& observation);
+  bool acceptable(const threelink_msgs::Observation& observation, const std::string& refusal);
   // Puts the policy that load() returns in the place of the old one, unless load() throws or it is
   // for another swimmer; returns what became of it.
   template <class Load>
@@ -56,6 +58,7 @@ class Agent {
   AgentConfig config_;
   Policy policy_;
   std::string source_;
+  Swimmers swimmers_;
   struct Successor {
     Policy policy;
     std::string source;
@@ -73,6 +76,7 @@ class Agent {
   threelink_sim::DirectQueue direct_queue_;
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
+  Diagnostics::Counter& other_swimmer_;
   Diagnostics::Counter& wrong_kind_;
   Diagnostics::Counter& wrong_length_;
   Diagnostics::Counter& out_of_range_;

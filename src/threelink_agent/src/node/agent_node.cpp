@@ -38,8 +38,10 @@ parameters
   ~sampled      draw actions from the policy's distribution instead of taking the mean [what the
                 policy file says]
   ~seed         with episode and step it keys what is drawn [0]
+  ~allow_other_swimmer  play for a swimmer whose gamma, dt or joint_limit is not that of the policy [false]
 
-A policy that is damaged or for another swimmer is refused, and the one in use stays.
+A policy that is damaged or for another swimmer is refused, and the one in use stays. What swimmer
+there is say the parameters of the node that publishes the observations: links, gamma, joint_limit, dt.
 
 With ~collect it plays training episodes for a learner instead, whatever swimmer answers on these
 topics, and takes the part of the task as well: it subscribes to state and abort, publishes target
@@ -94,6 +96,7 @@ int run() {
   std::string source = config.follow ? "" : parameters.text("policy");
   if (parameters.has("sampled")) config.sampled = parameters.flag("sampled", false);
   config.seed = parameters.integer("seed", {0, std::numeric_limits<int>::max()}, 0);
+  config.allow_other_swimmer = parameters.flag("allow_other_swimmer", false);
   parameters.finish();
   std::optional<Policy> policy;
   try {

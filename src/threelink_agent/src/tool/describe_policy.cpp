@@ -10,6 +10,7 @@
 #include "threelink_agent/policy.hpp"
 #include "threelink_sim/command_line.hpp"
 #include "threelink_sim/output.hpp"
+#include "threelink_sim/urdf.hpp"
 
 namespace {
 
@@ -32,12 +33,17 @@ Fields fields_of(const Policy& policy) {
           {"links", fmt::format("{}", metadata.links)},
           {"dt", fmt::format("{}", metadata.dt)},
           {"gamma", fmt::format("{}", metadata.gamma)},
+          {"joint_limit", fmt::format("{}", metadata.joint_limit)},
           {"symmetry", to_string(metadata.symmetry)},
           {"layers", layers}};
 }
 
-void describe(const std::string& path, const std::string& only, bool config) {
+void describe(const std::string& path, const std::string& only, bool config, bool urdf) {
   const Policy policy = Policy::load(path);
+  if (urdf) {
+    fmt::print("{}", threelink_sim::urdf({policy.metadata().environment().model}));
+    return;
+  }
   if (config) {
     fmt::print("{}", policy.metadata().config);
     return;
@@ -58,7 +64,7 @@ void describe(const std::string& path, const std::string& only, bool config) {
 int main(int argc, char** argv) {
   return threelink_sim::run_tool("describe_policy", [=] {
     std::string path, field;
-    bool config = false;
+    bool config = false, urdf = false;
     CLI::App app(
         "Checks a policy file and prints what it says of itself: hash of the numbers, "
         "observation,\n"
@@ -68,8 +74,11 @@ int main(int argc, char** argv) {
     auto* only = app.add_option("--field", field, "print only the value of this field");
     app.add_flag("--config", config, "print the configuration with which it was trained")
         ->excludes(only);
+    app.add_flag("--urdf", urdf, "print the robot description of the swimmer that it is for")
+        ->excludes(only)
+        ->excludes("--config");
     app.footer("Exit status: 0 it is a policy; 1 failed; 2 it is none, or wrong arguments.");
-    if (threelink_sim::parse_command_line(app, argc, argv)) describe(path, field, config);
+    if (threelink_sim::parse_command_line(app, argc, argv)) describe(path, field, config, urdf);
     return 0;
   });
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,6 +26,11 @@ struct EnvironmentConfig {
   // Throws std::invalid_argument that names field, value and bound.
   void validate() const;
 };
+
+// In what the swimmer, or its action step, is not the wanted one: "gamma = 0.5 instead of 0.9, dt =
+// 0.1 instead of 0.2"; empty if it is. A policy that was trained for the one may fail with the
+// other.
+std::string swimmer_difference(const EnvironmentConfig& found, const EnvironmentConfig& wanted);
 
 class Environment {
  public:

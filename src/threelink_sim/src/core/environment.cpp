@@ -21,6 +21,20 @@ void EnvironmentConfig::validate() const {
   if (steps < 1) throw std::invalid_argument(fmt::format("steps = {}: must be at least 1", steps));
 }
 
+std::string swimmer_difference(const EnvironmentConfig& found, const EnvironmentConfig& wanted) {
+  std::string difference;
+  const auto compare = [&difference](const char* name, double is, double must_be) {
+    if (is == must_be) return;
+    difference +=
+        fmt::format("{}{} = {} instead of {}", difference.empty() ? "" : ", ", name, is, must_be);
+  };
+  compare("links", found.model.links, wanted.model.links);
+  compare("gamma", found.model.gamma, wanted.model.gamma);
+  compare("joint_limit", found.model.joint_limit, wanted.model.joint_limit);
+  compare("dt", found.dt, wanted.dt);
+  return difference;
+}
+
 Environment::Environment(const EnvironmentConfig& config, std::size_t lanes, const Kernels& kernels)
     : config_((config.validate(), config)),
       substeps_(substeps(config.model, config.dt, 1.0)),

@@ -24,13 +24,16 @@ Lockstep::Config SimulatorConfig::lockstep() const {
   return config;
 }
 
+void read_swimmer(ParameterMap& parameters, EnvironmentConfig& config) {
+  config.model.links = parameters.integer("links", {2, kMaxLinks}, 3);
+  config.model.gamma = parameters.real("gamma", {1e-3, 10}, 0.5);
+  config.model.joint_limit = parameters.real("joint_limit", {1e-3, kPi}, 2 * kPi / 3);
+  config.dt = parameters.real("dt", {1e-3, 1}, 0.1);
+}
+
 SimulatorConfig read_simulator_config(ParameterMap& parameters) {
   SimulatorConfig config;
-  Model& model = config.environment.model;
-  model.links = parameters.integer("links", {2, kMaxLinks}, 3);
-  model.gamma = parameters.real("gamma", {1e-3, 10}, 0.5);
-  model.joint_limit = parameters.real("joint_limit", {1e-3, kPi}, 2 * kPi / 3);
-  config.environment.dt = parameters.real("dt", {1e-3, 1}, 0.1);
+  read_swimmer(parameters, config.environment);
   config.environment.b = parameters.real("reward_b", {1e-6, 1e6}, 6.0);
   config.environment.c = parameters.real("reward_c", {0, 1e6}, 0.0);
   using threelink_msgs::Observation;

@@ -8,6 +8,7 @@
 #include "simulator.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
+#include "threelink_sim/node/swimmer_parameters.hpp"
 #include "threelink_sim/node/topics.hpp"
 
 namespace threelink_sim {
@@ -67,6 +68,7 @@ int run() {
   Parameters parameters{ros::NodeHandle("~")};
   const SimulatorConfig config = read_simulator_config(parameters);
   refuse_second_clock();
+  publish_swimmer_parameters(config.environment);
   return Simulator(config).run();
 }
 

@@ -59,7 +59,10 @@ void EpisodeServer::play(const RunEpisodeGoal& goal) {
 Assignment EpisodeServer::assignment(const RunEpisodeGoal& goal) const {
   Assignment wanted = config_.assignment;
   wanted.seed = goal.seed;
-  if (!goal.policy.empty()) wanted.policy = PolicyInfo::of(goal.policy);
+  if (!goal.policy.empty()) {
+    wanted.policy = PolicyInfo::of(goal.policy);
+    config_.player.require_swimmer_of(wanted.policy);
+  }
   threelink_sim::ParameterMap parameters =
       threelink_sim::parse_parameters("parameters", goal.parameters);
   assign_task(goal.task, parameters, config_.player.simulator.environment.dt, wanted);

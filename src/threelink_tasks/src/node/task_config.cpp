@@ -45,7 +45,18 @@ void read_agent(Parameters& parameters, bool sampled, std::string& yaml) {
 PolicyInfo PolicyInfo::of(const std::string& file) {
   const auto policy = threelink_agent::Policy::load(file);
   return {file, policy.sha256(), threelink_agent::evaluate(policy, 0, 0).speed,
-          policy.metadata().sampled};
+          policy.metadata().sampled, policy.metadata().environment()};
+}
+
+void PlayerConfig::require_swimmer_of(const PolicyInfo& policy) const {
+  const threelink_sim::EnvironmentConfig& found = simulator.environment;
+  const std::string difference = threelink_sim::swimmer_difference(found, policy.swimmer);
+  // Other links are another number of observations.
+  const bool playable = found.model.links == policy.swimmer.model.links;
+  if (difference.empty() || (allow_other_swimmer && playable)) return;
+  throw threelink_agent::PolicyError(fmt::format(
+      "{}: the simulator has another swimmer than the policy was trained for: {}{}", policy.file,
+      difference, playable ? " (~allow_other_swimmer plays it all the same)" : ""));
 }
 
 void assign_task(const std::string& name, ParameterMap& parameters, double dt,
@@ -65,9 +76,11 @@ TaskNodeConfig read_task_node_config(Parameters& parameters) {
   player.simulator = read_simulator(parameters, player.surroundings);
 
   config.assignment.seed = static_cast<std::uint64_t>(parameters.integer("seed", {0, kMaxInt}, 0));
+  player.allow_other_swimmer = parameters.flag("allow_other_swimmer", false);
   const std::string policy = parameters.text("policy");
   try {
     config.assignment.policy = PolicyInfo::of(policy);
+    player.require_swimmer_of(config.assignment.policy);
   } catch (const threelink_agent::PolicyError& error) {
     parameters.refuse("policy", error.what());
   }

@@ -17,6 +17,7 @@ struct PolicyInfo {
   std::string sha256;
   double v_m;    // [L/T0] its speed
   bool sampled;  // how it is best played: with sampled actions, else with their mean
+  threelink_sim::EnvironmentConfig swimmer;  // that it was trained for
 
   // Throws threelink_agent::PolicyError.
   static PolicyInfo of(const std::string& file);
@@ -37,7 +38,10 @@ struct PlayerConfig {
   double start_timeout;  // [s] wall time, for what has to be there before an episode can start
   threelink_sim::SimulatorConfig simulator;  // as the simulator's own parameters say
   std::string surroundings;                  // simulator's and agent's parameters, as YAML
+  bool allow_other_swimmer;                  // than the one that a policy was trained for
 
+  // Throws threelink_agent::PolicyError if the simulator's swimmer is another one, and may not be.
+  void require_swimmer_of(const PolicyInfo& policy) const;
   // Everything as YAML, for the record: what make_task() and a replay need.
   std::string yaml(const Assignment& assignment) const;
 };

@@ -34,6 +34,7 @@ parameters (defaults in brackets)
   ~task    clicked_point, direction, path, point, pursuit, waypoints, or a plug-in's
   ~policy  ~seed [0]  ~episodes [1]  ~record [true]  ~start_timeout [30 s]
   ~simulator [simulator]  ~agent [agent]
+  ~allow_other_swimmer  than the one that the policy was trained for, by links, gamma, dt, joint limit [false]
   and those of the task: docs/tasks.md, and config/pursuit.yaml, star.yaml, ...
 exit status
   0 every episode was captured or timed out; 1 one was aborted or could not start; 2 bad parameters

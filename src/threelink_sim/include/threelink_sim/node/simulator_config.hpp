@@ -30,6 +30,8 @@ struct SimulatorConfig {
   Lockstep::Config lockstep() const;
 };
 
+// The swimmer and its action step alone. Throws ParameterError.
+void read_swimmer(ParameterMap& parameters, EnvironmentConfig& config);
 // From the node's own parameters, or as they were recorded. Throws ParameterError.
 SimulatorConfig read_simulator_config(ParameterMap& parameters);
 
