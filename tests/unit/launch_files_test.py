@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 """Every launch file loads, names only what exists, and explains all of its arguments."""
+import math
 import os
+import sys
+import tempfile
 import unittest
 
 import roslaunch
@@ -10,17 +13,30 @@ import roslib.packages
 import rospkg
 import rosunit
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "../node"))
+from random_policy import write_policy  # pylint: disable=wrong-import-position
+
 FOLDER = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "launch")
-VFS = os.path.join(rospkg.RosPack().get_path("threelink_tasks"), "config/policies/vfs.safetensors")
-FILES = sorted(os.path.join(FOLDER, name) for name in os.listdir(FOLDER))
+VFS = os.path.realpath(os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
+                                    "config/policies/vfs.safetensors"))
+FILES = sorted(os.path.join(FOLDER, name) for name in os.listdir(FOLDER)
+               if name.endswith(".launch"))
 
 # What arguments without a default are given here.
 REQUIRED = {"bag": "/some/folder/some.bag", "file": "/some/points.csv",
             "hosts": "pc2,192.168.1.13", "out": "/some/run", "task": "path"}
 # What every launch file of a task takes.
-SHARED = {"rviz", "record", "seed", "episodes", "policy", "sampled", "realtime_factor", "bag_dir"}
+SHARED = {"rviz", "record", "seed", "episodes", "policy", "sampled", "realtime_factor", "bag_dir",
+          "allow_other_swimmer", "lan"}
+LOOPBACK = [("ROS_IP", "127.0.0.1"), ("ROS_HOSTNAME", "127.0.0.1")]
 # Installed only where somebody asks for it.
 OPTIONAL_PACKAGES = {"rviz"}
+
+
+def required(path):
+    """What the arguments without a default are given here."""
+    return {name: REQUIRED[name] for name, (_, default) in roslaunch.arg_dump.get_args([path]).items()
+            if default is None}
 
 
 def load(path, **arguments):
@@ -40,9 +56,7 @@ class LaunchFilesTest(unittest.TestCase):
     def test_every_file_loads_and_every_node_exists(self):
         for path in FILES:
             with self.subTest(os.path.basename(path)):
-                needed = [name for name, (_, default) in roslaunch.arg_dump.get_args([path]).items()
-                          if default is None]
-                config = load(path, **{name: REQUIRED[name] for name in needed})
+                config = load(path, **required(path))
                 self.assertGreater(len(config.nodes), 0)
                 for node in config.nodes:
                     if node.package not in OPTIONAL_PACKAGES:
@@ -110,14 +124,13 @@ class LaunchFilesTest(unittest.TestCase):
 
     def test_arguments_of_train_reach_the_nodes(self):
         path = os.path.join(FOLDER, "train.launch")
-        os.environ["PWD"] = "/called/here"
         config = load(path, config="c.yaml", out="runs/a", seed="0", episodes="80", workers="3",
                       threads="2", resume="true")
         value = {name: parameter.value for name, parameter in config.params.items()
                  if name.startswith("/threelink/learner/")}
         self.assertEqual(value, {
-            "/threelink/learner/config": "/called/here/c.yaml", "/threelink/learner/seed": 0,
-            "/threelink/learner/out": "/called/here/runs/a", "/threelink/learner/episodes": 80,
+            "/threelink/learner/config": os.path.realpath("c.yaml"), "/threelink/learner/seed": 0,
+            "/threelink/learner/out": os.path.realpath("runs/a"), "/threelink/learner/episodes": 80,
             "/threelink/learner/threads": 2, "/threelink/learner/resume": True})
         self.assertEqual({node.name for node in config.nodes},
                          {"learner", "worker_1", "worker_2", "worker_3"})
@@ -125,20 +138,23 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual({node.name for node in config.nodes}, {"learner"})
         self.assertNotIn("/threelink/learner/seed", config.params)  # it is the configuration's
 
-    def test_training_is_bound_to_loopback_unless_it_is_opened(self):
-        path = os.path.join(FOLDER, "train.launch")
-        os.environ["PWD"] = "/called/here"
-        closed = [("ROS_IP", "127.0.0.1"), ("ROS_HOSTNAME", "127.0.0.1")]
-        for lan in ("false", "true"):
-            nodes = load(path, out="a", lan=lan).nodes
-            self.assertEqual({node.name for node in nodes}, {"learner", "worker_1", "worker_2"})
-            for node in nodes:
-                address = [item for item in node.env_args if item[0] in dict(closed)]
-                self.assertEqual(address, closed if lan == "false" else [])
+    def test_every_file_is_bound_to_loopback_unless_it_is_opened(self):
+        for path in FILES:
+            name = os.path.basename(path)
+            for lan in ("false", "true"):
+                if name in ("cluster_workers.launch", "train_cluster.launch"):
+                    arguments, closed = {}, False  # their workers are on other machines
+                else:
+                    arguments, closed = {"lan": lan}, lan == "false"
+                if name == "train.launch":
+                    arguments.update(live="true", watch="true")
+                for node in load(path, **required(path), **arguments).nodes:
+                    with self.subTest(name, lan=lan, node=node.name):
+                        address = [item for item in node.env_args if item in LOOPBACK]
+                        self.assertEqual(set(address), set(LOOPBACK if closed else []))
 
     def test_a_cluster_has_workers_on_each_machine(self):
         path = os.path.join(FOLDER, "train_cluster.launch")
-        os.environ["PWD"] = "/called/here"
         config = load(path, out="a", hosts="pc2,lab-3.local", workers="2", local_workers="1",
                       user="me", ssh_port="2222", env_loader="/there/env_loader", seed="4")
         self.assertEqual({node.name: node.machine_name for node in config.nodes},
@@ -173,26 +189,32 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual(config.params["/threelink/robot/agent/exact"].value, False)
 
     def test_a_stroke_is_a_file_of_the_caller_or_the_shipped_one(self):
-        os.environ["PWD"] = "/called/here"
         stroke = lambda name, **arguments: load(os.path.join(FOLDER, name), rviz="false", **arguments
                                                 ).params["/threelink/stroke/file"].value
         self.assertTrue(os.path.isfile(stroke("stroke.launch")))
-        self.assertEqual(stroke("stroke.launch", file="a.json"), "/called/here/a.json")
-        self.assertEqual(stroke("view.launch"), "")
+        self.assertEqual(stroke("stroke.launch", file="a.json"), os.path.realpath("a.json"))
+        self.assertNotIn("/threelink/stroke/file",
+                         load(os.path.join(FOLDER, "view.launch"), rviz="false").params)
 
     def test_a_task_may_bring_its_own_parameters(self):
-        os.environ["PWD"] = os.path.dirname(os.path.realpath(__file__))
-        config = load(os.path.join(FOLDER, "task.launch"), rviz="false",
-                      task="../plugin/pendulum.yaml")
+        config = load(os.path.join(FOLDER, "task.launch"), rviz="false", task=os.path.join(
+            os.path.dirname(os.path.realpath(__file__)), "../plugin/pendulum.yaml"))
         self.assertEqual(config.params["/threelink/task/task"].value, "pendulum")
 
-    def test_relative_paths_begin_where_roslaunch_was_called(self):
-        path = os.path.join(FOLDER, "pursuit.launch")
-        folder, name = os.path.split(VFS)
-        os.environ["PWD"] = folder
-        config = load(path, rviz="false", policy=name, bag_dir="bags")
-        self.assertEqual(config.params["/threelink/agent/policy"].value, VFS)
-        self.assertEqual(config.params["/threelink/recorder/bag_dir"].value, folder + "/bags")
+    def test_the_swimmer_is_that_of_the_policy(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "five.safetensors")
+            write_policy(path, links=5, dt=0.2, gamma=0.9, observation="target", joint_limit="1.25")
+            params = load(os.path.join(FOLDER, "pursuit.launch"), rviz="false", policy=path).params
+        value = lambda name: params["/threelink/simulator/" + name].value
+        self.assertEqual([value(name) for name in ("links", "dt", "gamma", "joint_limit", "observation")],
+                         [5, 0.2, 0.9, 1.25, "target"])
+        robot = params["/threelink/robot_description"].value
+        self.assertIn('<link name="link_5">', robot)
+        self.assertIn('<limit lower="-1.25" upper="1.25"', robot)
+        params = load(os.path.join(FOLDER, "pursuit.launch"), rviz="false", policy=VFS).params
+        self.assertEqual([value(name) for name in ("links", "dt", "gamma", "joint_limit", "observation")],
+                         [3, 0.1, 0.5, 2 * math.pi / 3, "direction"])
 
 
 if __name__ == "__main__":
