@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include "threelink_agent/evaluate.hpp"
+#include "threelink_sim/output.hpp"
+#include "threelink_sim/yaml.hpp"
 #include "threelink_tasks/plugins.hpp"
 
 namespace {
@@ -21,7 +23,7 @@ using namespace threelink_tasks;
 using threelink_agent::Policy;
 using threelink_sim::yaml_number;
 
-constexpr int kSuccess = 0, kFailure = 1, kMisuse = 2;
+constexpr int kSuccess = 0, kMisuse = 2;
 constexpr double kBestSpeed = 0.0129154;  // [L/T0] optimum under |rate| <= 1, dt = 0.1
 constexpr double kVRatio = 0.5;           // of a pursuit
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // null in JSON
@@ -45,7 +47,12 @@ std::string task_name(const Options& options) {
 // The task's parameters: those of --parameters, those that other options give, and the defaults of
 // this tool for the rest.
 YAML::Node parameters(const Options& options) {
-  YAML::Node node = YAML::Load(options.parameters);
+  YAML::Node node;
+  try {
+    node = threelink_sim::parse_yaml(options.parameters);
+  } catch (const threelink_sim::UsageError& error) {
+    throw threelink_sim::within(fmt::format("--parameters {}", options.parameters), error);
+  }
   if (node.IsNull()) node = YAML::Node(YAML::NodeType::Map);
   if (!node.IsMap())
     throw threelink_sim::UsageError(
@@ -136,7 +143,7 @@ int run(const Options& options) {
   TrialsConfig config = options.trials;
   config.sampled = !options.mean && (options.sampled || policy.metadata().sampled);
   print(options, summarise(run_trials(make, policy, config), dt));
-  return std::fflush(stdout) == 0 ? kSuccess : kFailure;
+  return kSuccess;
 }
 
 }  // namespace
@@ -179,19 +186,11 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? kSuccess : kMisuse;
   }
-  const auto fail = [](int status, const std::string& reason) {
-    fmt::print(stderr, "trials: {}\n", reason);
-    return status;
-  };
-  try {
-    return run(options);
-  } catch (const threelink_agent::PolicyError& error) {
-    return fail(kMisuse, fmt::format("--policy {}", error.what()));
-  } catch (const threelink_sim::UsageError& error) {
-    return fail(kMisuse, error.what());
-  } catch (const YAML::Exception& error) {
-    return fail(kMisuse, fmt::format("--parameters {}: {}", options.parameters, error.what()));
-  } catch (const std::exception& error) {
-    return fail(kFailure, error.what());
-  }
+  return threelink_sim::run_tool("trials", [&] {
+    try {
+      return run(options);
+    } catch (const threelink_agent::PolicyError& error) {
+      throw threelink_sim::UsageError(fmt::format("--policy {}", error.what()));
+    }
+  });
 }
