@@ -26,6 +26,7 @@ for number in SIGNALS:  # while the modules are imported there is nothing to cle
 import ast
 import contextlib
 import re
+import subprocess
 import threading
 import time
 
@@ -96,6 +97,20 @@ class Gate:
     def close(self):
         with self.lock:
             self.closed = True
+
+
+def end_master_by_sigterm():
+    """For SIGINT, with which roslaunch begins, Python has a traceback while the master starts."""
+    stop = roslaunch.nodeprocess.LocalProcess.stop
+
+    def stop_or_terminate(process, errors=None):
+        if process.name == "master" and process.popen:
+            process.popen.terminate()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.popen.wait(SIGTERM_TIMEOUT)
+        stop(process, errors)
+
+    roslaunch.nodeprocess.LocalProcess.stop = stop_or_terminate
 
 
 def check_arguments(file, arguments):
@@ -206,6 +221,7 @@ class Signals:
 def main(argv):
     roslib.set_interactive(True)  # roslaunch then installs no signal handlers
     gate = Gate()
+    end_master_by_sigterm()
     signals = Signals()
     launch = Launch(argv)
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):

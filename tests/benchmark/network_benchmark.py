@@ -89,7 +89,8 @@ class Benchmark:
             run.learner()
             run.wait(lambda: os.path.exists(os.path.join(run.out, "config.yaml")), 30)
             workers = run.start(1, ["roslaunch", "threelink_tasks", "workers.launch",
-                                    "workers:=%d" % self.options.workers, "step_cost:=100.0"])
+                                    "workers:=%d" % self.options.workers, "step_cost:=100.0",
+                                    "lan:=true"])
             run.wait(lambda: len(run.rows()) >= self.options.episodes / 100, 60)
             hosts.cut()
             time.sleep(self.options.cut)
