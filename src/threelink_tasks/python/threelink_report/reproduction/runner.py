@@ -80,7 +80,7 @@ class Running:
         ledger.prepare(stage)
         self.stage, self.started = stage, time.monotonic()
         work = os.path.abspath(ledger.work(stage))
-        environment = dict(os.environ, PWD=os.path.abspath(ledger.folder), MPLBACKEND="Agg",
+        environment = dict(os.environ, MPLBACKEND="Agg",
                            ROS_MASTER_URI=f"http://127.0.0.1:{free_port()}", ROS_IP="127.0.0.1",
                            ROS_LOG_DIR=os.path.join(work, "ros_log"))
         environment.pop("ROS_HOSTNAME", None)
