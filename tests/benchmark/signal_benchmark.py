@@ -81,6 +81,8 @@ def main():
                 # Half of them while the launch is coming up.
                 delay = delays.uniform(0, LONGEST if number % 2 else 1.5)
                 status, seconds, traceback, left = run(number, delay, folder)
+                if status == -signal.SIGINT:
+                    status = 130  # as a shell tells it
                 fine = status == 130 and seconds < ALLOWED and not traceback and not left
                 bad += not fine
                 longest = max(longest, seconds)
