@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "threelink_agent/evaluate.hpp"
+#include "threelink_sim/command_line.hpp"
 #include "threelink_sim/output.hpp"
 #include "threelink_sim/yaml.hpp"
 #include "threelink_tasks/plugins.hpp"
@@ -23,7 +24,7 @@ using namespace threelink_tasks;
 using threelink_agent::Policy;
 using threelink_sim::yaml_number;
 
-constexpr int kSuccess = 0, kMisuse = 2;
+constexpr int kSuccess = 0;
 constexpr double kBestSpeed = 0.0129154;  // [L/T0] optimum under |rate| <= 1, dt = 0.1
 constexpr double kVRatio = 0.5;           // of a pursuit
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // null in JSON
@@ -149,48 +150,46 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  Options options;
-  CLI::App app(
-      "Plays many episodes of a task in one process. Episode e of seed S is the same, to the bit,\n"
-      "as over topics. Medians are over the completed episodes, that of the final distance over\n"
-      "all; ratio = steps / (length of the way through the waypoints / (0.0129154 dt)).\n");
-  app.add_option(
-         "--task", options.task,
-         "star (of any size and rotation, unless --parameters says which), point (distance\n"
-         "0.001 to 0.5), pursuit, or another one of docs/tasks.md")
-      ->required();
-  app.add_option("--policy", options.policy, "policy file (.safetensors)")->required();
-  app.add_option("--trials", options.trials.trials, "1 to 1000000 (default 100)")
-      ->check(CLI::Range(1, 1000000));
-  app.add_option("--seed", options.trials.seed, "keys all randomness (default 0)")
-      ->check(CLI::Range(std::int64_t(0), std::numeric_limits<std::int64_t>::max()));
-  options.v_ratio_given = app.add_option("--v-ratio", options.v_ratio,
-                                         "pursuit: speed of the target / speed of the policy"
-                                         " (default 0.5)")
-                              ->check(CLI::Range(0.0, 100.0));
-  options.max_steps_given =
-      app.add_option("--max-steps", options.max_steps, "time-out (default: that of the task)")
-          ->check(CLI::Range(1, std::numeric_limits<int>::max()));
-  auto* mean = app.add_flag("--mean", options.mean,
-                            "play the mean action (without this and the next: as the policy says)");
-  app.add_flag("--sampled", options.sampled, "draw actions from the policy's distribution")
-      ->excludes(mean);
-  app.add_option("--waypoints", options.waypoints, "star: these points (CSV or YAML) instead");
-  app.add_option("--parameters", options.parameters,
-                 "further parameters of the task, YAML: '{threshold: 0.05}'; none that another\n"
-                 "option gives");
-  app.add_flag("--json", options.json, "one line of JSON instead of text");
-  app.footer("Exit status: 0 played; 1 failed; 2 wrong arguments or file.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kSuccess : kMisuse;
-  }
-  return threelink_sim::run_tool("trials", [&] {
+  return threelink_sim::run_tool("trials", [=] {
+    Options options;
+    CLI::App app(
+        "Plays many episodes of a task in one process. Episode e of seed S is the same, to the "
+        "bit,\n"
+        "as over topics. Medians are over the completed episodes, that of the final distance over\n"
+        "all; ratio = steps / (length of the way through the waypoints / (0.0129154 dt)).\n");
+    app.add_option(
+           "--task", options.task,
+           "star (of any size and rotation, unless --parameters says which), point (distance\n"
+           "0.001 to 0.5), pursuit, or another one of docs/tasks.md")
+        ->required();
+    app.add_option("--policy", options.policy, "policy file (.safetensors)")->required();
+    app.add_option("--trials", options.trials.trials, "1 to 1000000 (default 100)")
+        ->check(threelink_sim::whole_number<int>(1, 1000000));
+    app.add_option("--seed", options.trials.seed, "keys all randomness (default 0)")
+        ->check(threelink_sim::whole_number<std::int64_t>(0));
+    options.v_ratio_given = app.add_option("--v-ratio", options.v_ratio,
+                                           "pursuit: speed of the target / speed of the policy"
+                                           " (default 0.5)")
+                                ->check(threelink_sim::real_number(0, 100));
+    options.max_steps_given =
+        app.add_option("--max-steps", options.max_steps, "time-out (default: that of the task)")
+            ->check(threelink_sim::whole_number<int>(1));
+    auto* mean =
+        app.add_flag("--mean", options.mean,
+                     "play the mean action (without this and the next: as the policy says)");
+    app.add_flag("--sampled", options.sampled, "draw actions from the policy's distribution")
+        ->excludes(mean);
+    app.add_option("--waypoints", options.waypoints, "star: these points (CSV or YAML) instead");
+    app.add_option("--parameters", options.parameters,
+                   "further parameters of the task, YAML: '{threshold: 0.05}'; none that another\n"
+                   "option gives");
+    app.add_flag("--json", options.json, "one line of JSON instead of text");
+    app.footer("Exit status: 0 played; 1 failed; 2 wrong arguments or file.");
+    if (!threelink_sim::parse_command_line(app, argc, argv)) return kSuccess;
     try {
       return run(options);
     } catch (const threelink_agent::PolicyError& error) {
-      throw threelink_sim::UsageError(fmt::format("--policy {}", error.what()));
+      throw threelink_sim::within("--policy", error);
     }
   });
 }
