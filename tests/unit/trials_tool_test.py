@@ -116,7 +116,7 @@ class TrialsToolTest(unittest.TestCase):
                 (good + ("--trials", "0"), "--trials"),
                 (good + ("--seed", "9223372036854775808"), "must be a whole number in [0, 922337"),
                 (good + ("--v-ratio", "fast"), "must be a number in [0, 100]"),
-                (good + ("--waypoints", "/no/file.csv"), "/no/file.csv: cannot be read"),
+                (good + ("--waypoints", "/no/file.csv"), "/no/file.csv: cannot open"),
                 (good + ("--parameters", "{treshold: 1}"), "nearest one is parameters/threshold"),
                 (good + ("--parameters", "{a: ["), "--parameters"),
                 (good + ("--parameters", "abc"), "--parameters abc: must be a dictionary"),
