@@ -17,6 +17,15 @@ bool begins_with(std::string_view text, std::string_view with) {
                     [](unsigned char a, unsigned char b) { return a == std::tolower(b); });
 }
 
+// U+200E, U+200F, U+202A to U+202E and U+2066 to U+2069.
+bool turns_the_direction(std::string_view text) {
+  const auto last = static_cast<unsigned char>(text.size() > 2 ? text[2] : 0);
+  const std::string_view first = text.substr(0, 2);
+  return (first == "\xe2\x80" &&
+          (last == 0x8e || last == 0x8f || (last >= 0xaa && last <= 0xae))) ||
+         (first == "\xe2\x81" && last >= 0xa6 && last <= 0xa9);
+}
+
 }  // namespace
 
 std::string excerpt(std::string_view text, std::size_t most) {
@@ -28,7 +37,8 @@ std::string excerpt(std::string_view text, std::size_t most) {
     // U+0080 to U+009F are control characters, too.
     const bool control =
         byte < 0x20 || byte == 0x7f ||
-        (byte == 0xc2 && length == 2 && static_cast<unsigned char>(text[1]) < 0xa0);
+        (byte == 0xc2 && length == 2 && static_cast<unsigned char>(text[1]) < 0xa0) ||
+        (length == 3 && turns_the_direction(text));
     if (byte == '\n')
       shown += "\\n";
     else if (byte == '\r')
@@ -42,6 +52,10 @@ std::string excerpt(std::string_view text, std::size_t most) {
     text.remove_prefix(length == 0 || control ? 1 : length);
   }
   return shown;
+}
+
+bool is_harmless(std::string_view text, std::size_t most) {
+  return text.size() <= most && excerpt(text, most + 1) == text;
 }
 
 std::string mistaken_format(std::string_view bytes) {

@@ -17,6 +17,18 @@ double heading(const threelink_msgs::SwimmerState& state) {
 
 }  // namespace
 
+bool well_formed(const threelink_msgs::SwimmerState& state) {
+  const std::size_t hinges = state.alpha.size();
+  const auto finite = [](const auto& numbers) {
+    return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+  };
+  return hinges >= 1 && hinges < kMaxLinks && state.theta.size() == hinges + 1 &&
+         (state.hinge_rates.empty() || state.hinge_rates.size() == hinges) && finite(state.x_1) &&
+         finite(state.theta) && finite(state.alpha) && finite(state.hinge_rates) &&
+         finite(state.centroid) && std::isfinite(state.power) && std::isfinite(state.work) &&
+         std::isfinite(state.reward);
+}
+
 void to_message(const Model& model, const SwimmerState& state, threelink_msgs::SwimmerState& out) {
   const Eigen::Vector2d end = free_end(model, state);
   const LinkVector theta = link_angles(model, state);

@@ -15,12 +15,15 @@ Diagnostics::Diagnostics(const std::string& title, const std::string& hardware_i
       ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { updater_.force_update(); });
 }
 
-Diagnostics::Counter& Diagnostics::counter(const std::string& name) {
-  return entries_.emplace_back(name, false).value;
-}
+Diagnostics::Counter& Diagnostics::counter(const std::string& name) { return entry(name, false); }
 
-Diagnostics::Counter& Diagnostics::refusals(const std::string& name) {
-  return entries_.emplace_back(name, true).value;
+Diagnostics::Counter& Diagnostics::refusals(const std::string& name) { return entry(name, true); }
+
+Diagnostics::Counter& Diagnostics::entry(const std::string& name, bool warns) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  for (Entry& entry : entries_)
+    if (entry.name == name) return entry.value;
+  return entries_.emplace_back(name, warns).value;
 }
 
 void Diagnostics::update(Status& status) {
@@ -28,6 +31,7 @@ void Diagnostics::update(Status& status) {
   status.summary(DiagnosticStatus::OK, "");
   report_(status, (now - last_).toSec());
   last_ = now;
+  const std::lock_guard<std::mutex> lock(mutex_);
   for (Entry& entry : entries_) {
     const std::uint64_t value = entry.value;
     status.add(entry.name, value);

@@ -5,12 +5,16 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
+
+#include "threelink_sim/node/peer_types.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -35,7 +39,7 @@ bool master_answers_within(std::chrono::milliseconds patience) {
 // but has forgotten all registrations, and roscpp does not renew them.
 class MasterWatch {
  public:
-  MasterWatch() : thread_([this] { watch(); }) {}
+  explicit MasterWatch(double patience) : patience_(patience), thread_([this] { watch(); }) {}
   ~MasterWatch() {
     {
       std::lock_guard<std::mutex> lock(mutex_);
@@ -54,11 +58,18 @@ class MasterWatch {
     return ros::master::execute("lookupNode", request, response, payload, false);
   }
 
+  void end_in_time() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!stopped_) stopped_ = now;
+    if (now - *stopped_ >= std::chrono::duration<double>(patience_)) std::_Exit(kSuccess);
+  }
+
   void watch() {
     constexpr int kPatience = 3;
     int failures = 0;
     std::unique_lock<std::mutex> lock(mutex_);
     while (!wake_.wait_for(lock, 1s, [this] { return ending_; })) {
+      if (stop_requested && patience_ > 0 && !lost_) end_in_time();
       failures = registered() ? 0 : failures + 1;
       if (failures == kPatience && running()) {
         ROS_FATAL("the ROS master at %s is gone, or was restarted; this node ends",
@@ -70,6 +81,8 @@ class MasterWatch {
     }
   }
 
+  double patience_;  // [s]
+  std::optional<std::chrono::steady_clock::time_point> stopped_;
   std::atomic<bool> lost_{false};
   std::mutex mutex_;
   std::condition_variable wake_;
@@ -105,10 +118,20 @@ int start_and_run(int argc, char** argv, const NodeDescription& description,
   }
   int status = kSuccess;
   {
-    MasterWatch watch;  // first: ros::start() waits for a master that goes away, without end
+    MasterWatch watch(
+        description
+            .patience);  // first: ros::start() waits for a master that goes away, without end
     ros::start();
+    const PeerTypes peer_types;
     if (running()) status = run_body(body);
-    if (watch.lost()) status = kMasterLost;
+    if (watch.lost()) {
+      status = kMasterLost;
+    } else if (!stop_requested && !ros::ok()) {
+      std::cerr << description.name  // the log has been shut down, too
+                << ": shut down from outside (rosnode kill, or another node that took the name "
+                << ros::this_node::getName() << "); its work was left where it was\n";
+      status = kShutDown;
+    }
   }
   ros::shutdown();
   return status;

@@ -12,6 +12,7 @@
 #include <threelink_msgs/EpisodeAbort.h>
 
 #include "threelink_sim/node/node_main.hpp"
+#include "threelink_sim/node/peer_types.hpp"
 #include "threelink_sim/node/topics.hpp"
 
 namespace threelink_sim {
@@ -56,7 +57,10 @@ Simulator::Simulator(const SimulatorConfig& config)
                       Verdict::kStale, Verdict::kFuture}),
       refused_targets_(diagnostics_, topics::kTarget,
                        {Verdict::kNotFinite, Verdict::kStale, Verdict::kFuture}),
-      foreign_targets_(diagnostics_.refusals("target refused: wrong frame")),
+      foreign_frames_(diagnostics_.refusals("target refused: wrong frame")),
+      strange_targets_(diagnostics_.refusals("target refused: another node")),
+      strange_rates_(diagnostics_.refusals("hinge_rates refused: another node")),
+      strange_ends_(diagnostics_.refusals("episode refused: another node")),
       refused_resets_(diagnostics_.refusals("reset refused")),
       watchdog_steps_(diagnostics_.counter("watchdog steps")),
       aborts_(diagnostics_.counter("episodes aborted")),
@@ -82,13 +86,18 @@ Simulator::Simulator(const SimulatorConfig& config)
 
   ros::NodeHandle lockstep_node;
   if (config.realtime_factor == 0) lockstep_node.setCallbackQueue(&direct_queue_);
-  const auto hints = ros::TransportHints().tcpNoDelay();
-  target_subscriber_ =
-      lockstep_node.subscribe(topics::kTarget, 100, &Simulator::on_target, this, hints);
-  rates_subscriber_ =
-      lockstep_node.subscribe(topics::kHingeRates, 100, &Simulator::on_rates, this, hints);
-  episode_subscriber_ = node_.subscribe(topics::kEpisode, 10, &Simulator::on_episode, this, hints);
-  reset_server_ = node_.advertiseService(topics::kReset, &Simulator::on_reset, this);
+  using message_size::kSmall;
+  target_subscriber_ = subscribe<geometry_msgs::PointStamped>(
+      lockstep_node, topics::kTarget, 100, kSmall, &diagnostics_,
+      [this](const auto& event) { on_target(event); });
+  rates_subscriber_ = subscribe<threelink_msgs::HingeRates>(
+      lockstep_node, topics::kHingeRates, 100, kSmall, &diagnostics_,
+      [this](const auto& event) { on_rates(event); });
+  episode_subscriber_ =
+      subscribe<threelink_msgs::Episode>(node_, topics::kEpisode, 10, kSmall, &diagnostics_,
+                                         [this](const auto& event) { on_episode(event); });
+  reset_server_ = advertise_service<threelink_msgs::Reset>(
+      node_, topics::kReset, kSmall, &diagnostics_, [this](auto& call) { on_reset(call); });
 }
 
 int Simulator::run() {
@@ -158,30 +167,47 @@ SwimmerState Simulator::start_state(const threelink_msgs::Reset::Request& reques
   return state;
 }
 
-bool Simulator::on_reset(threelink_msgs::Reset::Request& request,
-                         threelink_msgs::Reset::Response& response) {
+bool Simulator::taken(const std::string& caller) const {
+  return announced_ && caller != owner_ && lockstep_.phase() != Lockstep::Phase::kIdle;
+}
+
+void Simulator::on_reset(IntakeOfService<threelink_msgs::Reset>::Event& call) {
   std::lock_guard<std::mutex> lock(mutex_);
+  threelink_msgs::Reset::Response& response = call.getResponse();
+  const std::string& caller = call.getCallerName();
   try {
-    environment_.reset(0, start_state(request));
+    if (taken(caller))
+      throw std::invalid_argument(fmt::format(
+          "episode {} of {} runs; it ends by that node's message `episode`, or {} s after its last "
+          "target",
+          lockstep_.episode(), owner_, config_.peer_timeout));
+    environment_.reset(0, start_state(call.getRequest()));
   } catch (const std::invalid_argument& error) {
     ++refused_resets_;
     response.success = false;
     response.status = error.what();
-    return true;
+    return;
   }
   abort_reason_.clear();
+  owner_ = caller;
+  announced_ = false;
+  task_ = agent_ = Peer();
   lockstep_.start(steady_clock::now());
   publish_state();
   response.success = true;
   response.status = fmt::format("episode {} started", lockstep_.episode());
   response.state = state_;
-  return true;
 }
 
-void Simulator::on_target(const geometry_msgs::PointStamped& message) {
+void Simulator::on_target(const Event<geometry_msgs::PointStamped>& event) {
+  const geometry_msgs::PointStamped& message = *event.getConstMessage();
   std::lock_guard<std::mutex> lock(mutex_);
   if (message.header.frame_id != frames::kWorld) {
-    ++foreign_targets_;
+    ++foreign_frames_;
+    return;
+  }
+  if (!task_.may_be(event.getPublisherName())) {
+    ++strange_targets_;
     return;
   }
   const Eigen::Vector2d metres(message.point.x, message.point.y);
@@ -189,21 +215,35 @@ void Simulator::on_target(const geometry_msgs::PointStamped& message) {
   const Verdict verdict =
       lockstep_.target(message.header.stamp.toNSec(), target.x(), target.y(), steady_clock::now());
   if (!refused_targets_.accept(verdict)) return;
+  task_.is(event.getPublisherName());
   environment_.aim(0, target);
   publish_observation();
   view_.set_target(metres);
 }
 
-void Simulator::on_rates(const threelink_msgs::HingeRates& message) {
+void Simulator::on_rates(const Event<threelink_msgs::HingeRates>& event) {
+  const threelink_msgs::HingeRates& message = *event.getConstMessage();
   std::lock_guard<std::mutex> lock(mutex_);
-  refused_rates_.accept(
-      lockstep_.rates(message.episode, message.step, message.rates.data(), message.rates.size()));
+  if (!agent_.may_be(event.getPublisherName()))
+    ++strange_rates_;
+  else if (refused_rates_.accept(lockstep_.rates(message.episode, message.step,
+                                                 message.rates.data(), message.rates.size())))
+    agent_.is(event.getPublisherName());
   act();
 }
 
-void Simulator::on_episode(const threelink_msgs::Episode& message) {
+void Simulator::on_episode(const Event<threelink_msgs::Episode>& event) {
+  const threelink_msgs::Episode& message = *event.getConstMessage();
   std::lock_guard<std::mutex> lock(mutex_);
-  if (message.status != threelink_msgs::Episode::STARTED && message.episode == lockstep_.episode())
+  const bool started = message.status == threelink_msgs::Episode::STARTED;
+  if (message.episode != lockstep_.episode()) return;  // the latched one of an earlier episode
+  if (event.getPublisherName() != owner_) {
+    ++strange_ends_;
+    return;
+  }
+  if (started)
+    announced_ = true;
+  else
     lockstep_.end();
 }
 
@@ -225,6 +265,8 @@ void Simulator::abort() {
   message.reason =
       fmt::format("no {} for step {} of episode {} in {} s: the {} is silent", message.peer,
                   message.step, message.episode, config_.peer_timeout, task ? "task" : "agent");
+  const std::string conflict = other_type_on(node_.resolveName(message.peer));
+  if (!conflict.empty()) message.reason += ": " + conflict;
   ROS_ERROR("%s", message.reason.c_str());
   abort_publisher_.publish(message);
   abort_reason_ = message.reason;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <geometry_msgs/PointStamped.h>
+#include <ros/message_event.h>
 #include <ros/node_handle.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <threelink_msgs/Episode.h>
@@ -19,6 +20,7 @@
 
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
+#include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/simulator_config.hpp"
 #include "threelink_sim/node/swimmer_view.hpp"
 #include "threelink_sim/node/throttle.hpp"
@@ -47,11 +49,15 @@ class Simulator {
     std::map<Verdict, Diagnostics::Counter*> counters_;
   };
 
-  bool on_reset(threelink_msgs::Reset::Request& request, threelink_msgs::Reset::Response& response);
-  void on_target(const geometry_msgs::PointStamped& target);
-  void on_rates(const threelink_msgs::HingeRates& rates);
-  void on_episode(const threelink_msgs::Episode& episode);
+  template <class Message>
+  using Event = ros::MessageEvent<Message const>;
+  void on_reset(IntakeOfService<threelink_msgs::Reset>::Event& call);
+  void on_target(const Event<geometry_msgs::PointStamped>& event);
+  void on_rates(const Event<threelink_msgs::HingeRates>& event);
+  void on_episode(const Event<threelink_msgs::Episode>& event);
 
+  // Whether another node than `caller` plays an episode, and has said so.
+  bool taken(const std::string& caller) const;
   SwimmerState start_state(const threelink_msgs::Reset::Request& request) const;
   // What is due: the step, the end of the patience with a silent peer, throttled output.
   void act();
@@ -76,12 +82,21 @@ class Simulator {
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
   Refusals refused_rates_, refused_targets_;
-  Diagnostics::Counter& foreign_targets_;
+  Diagnostics::Counter& foreign_frames_;
+  Diagnostics::Counter& strange_targets_;
+  Diagnostics::Counter& strange_rates_;
+  Diagnostics::Counter& strange_ends_;
   Diagnostics::Counter& refused_resets_;
   Diagnostics::Counter& watchdog_steps_;
   Diagnostics::Counter& aborts_;
   std::uint64_t steps_ = 0;   // since the last report
   std::string abort_reason_;  // of the last episode; empty if it was not aborted
+
+  // Of the episode: the node that began it, whether that has announced it on `episode`, and those
+  // whose targets and hinge rates count.
+  std::string owner_;
+  bool announced_ = false;
+  Peer task_, agent_;
 
   ros::Publisher clock_publisher_, state_publisher_, observation_publisher_, joint_publisher_,
       pose_publisher_, abort_publisher_;

@@ -5,13 +5,17 @@
 
 #include <fmt/format.h>
 #include <geometry_msgs/PointStamped.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <threelink_msgs/HingeRates.h>
 #include <threelink_msgs/Observation.h>
 #include <threelink_msgs/Reset.h>
 #include <threelink_msgs/SwimmerState.h>
 
+#include "threelink_sim/excerpt.hpp"
+#include "threelink_sim/node/call_service.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
+#include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/simulator_config.hpp"
@@ -79,32 +83,42 @@ Config read_config(Parameters& parameters) {
 class StrokePlayer {
  public:
   explicit StrokePlayer(const Config& config)
-      : stroke_(config.stroke), angles_(hinge_angles(stroke_)), dt_(config.dt) {
+      : stroke_(config.stroke),
+        angles_(hinge_angles(stroke_)),
+        dt_(config.dt),
+        diagnostics_("stroke", "threelink_stroke", [](Diagnostics::Status&, double) {}),
+        refused_observations_(diagnostics_.refusals("observation refused: wrong values")) {
     target_.point = config.target;
     target_.header.frame_id = frames::kWorld;
 
     constexpr bool kLatch = true;
-    const auto hints = ros::TransportHints().tcpNoDelay();
     target_publisher_ = node_.advertise<geometry_msgs::PointStamped>(topics::kTarget, 10, kLatch);
     rates_publisher_ = node_.advertise<threelink_msgs::HingeRates>(topics::kHingeRates, 10, kLatch);
     node_.setCallbackQueue(&direct_queue_);
-    state_subscriber_ = node_.subscribe(topics::kState, 10, &StrokePlayer::on_state, this, hints);
-    observation_subscriber_ =
-        node_.subscribe(topics::kObservation, 10, &StrokePlayer::on_observation, this, hints);
+    using message_size::kSmall;
+    state_subscriber_ = subscribe<threelink_msgs::SwimmerState>(
+        node_, topics::kState, 10, kSmall, &diagnostics_,
+        [this](const auto& event) { on_state(*event.getConstMessage()); });
+    observation_subscriber_ = subscribe<threelink_msgs::Observation>(
+        node_, topics::kObservation, 10, kSmall, &diagnostics_,
+        [this](const auto& event) { on_observation(*event.getConstMessage()); });
   }
 
   void start() {
+    constexpr double kPatience = 30;  // [s]
     auto client = node_.serviceClient<threelink_msgs::Reset>(topics::kReset);
-    while (!client.waitForExistence(ros::Duration(0.5)) && running()) {
-    }
+    while (!client.exists() && running())
+      ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));
     const SwimmerState start = aligned_start(stroke_);
     const Eigen::Vector2d x_1 = free_end(stroke_.model, start);
     threelink_msgs::Reset reset;
     reset.request.x_1 = {x_1.x(), x_1.y()};
     reset.request.theta_1 = link_angles(stroke_.model, start)[0];
     reset.request.alpha.assign(start.alpha.data(), start.alpha.data() + start.alpha.size());
-    if (running() && (!client.call(reset) || !reset.response.success))
-      throw std::runtime_error("reset failed: " + reset.response.status);
+    if (!running()) return;
+    const Called called = call_service(client, reset, kPatience);
+    if (called != Called::kEnding && (called != Called::kAnswered || !reset.response.success))
+      throw std::runtime_error("reset failed: " + excerpt(reset.response.status, 200));
   }
 
  private:
@@ -115,9 +129,14 @@ class StrokePlayer {
 
   void on_observation(const threelink_msgs::Observation& observation) {
     const std::size_t hinges = stroke_.model.hinges();
-    if (observation.values.size() < 2 + hinges) {
-      ROS_ERROR_THROTTLE(1, "refused an observation of %zu values: %d links have %zu at least",
-                         observation.values.size(), stroke_.model.links, 2 + hinges);
+    const auto finite = [](double value) { return std::isfinite(value); };
+    if (observation.values.size() < 2 + hinges ||
+        !std::all_of(observation.values.begin(), observation.values.end(), finite)) {
+      ++refused_observations_;
+      log_.error(
+          fmt::format("refused an observation of {} values: {} links have {} at least, and all "
+                      "are finite",
+                      observation.values.size(), stroke_.model.links, 2 + hinges));
       return;
     }
     const double* alpha = observation.values.data() + 2;  // of either kind (observation.hpp)
@@ -144,6 +163,9 @@ class StrokePlayer {
   geometry_msgs::PointStamped target_;
   threelink_msgs::HingeRates rates_;
   DirectQueue direct_queue_;
+  Diagnostics diagnostics_;
+  Diagnostics::Counter& refused_observations_;
+  QuietLog log_;
   ros::NodeHandle node_;
   ros::Publisher target_publisher_, rates_publisher_;
   ros::Subscriber state_subscriber_, observation_subscriber_;

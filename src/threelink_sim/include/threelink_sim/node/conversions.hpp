@@ -17,6 +17,10 @@ struct Scales {
   double time = 1.0;    // [s] of one T0
 };
 
+// Whether a state that came by a topic can be used: one link more than hinges, at most kMaxLinks, a
+// rate for each hinge or none, and nothing but finite numbers.
+bool well_formed(const threelink_msgs::SwimmerState& state);
+
 // Fills x_1, theta, alpha and centroid, unrounded: the state can be read back to the bit.
 void to_message(const Model& model, const SwimmerState& state, threelink_msgs::SwimmerState& out);
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <mutex>
 #include <string>
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -25,7 +26,7 @@ class Diagnostics {
 
   // Shown under its name, zero at first; to be counted up from any thread.
   using Counter = std::atomic<std::uint64_t>;
-  // Stays valid as long as this object.
+  // Stays valid as long as this object; the same one for the same name.
   Counter& counter(const std::string& name);
   // The same, and a WARN whenever it has grown since the last report.
   Counter& refusals(const std::string& name);
@@ -42,9 +43,11 @@ class Diagnostics {
     std::uint64_t reported = 0;
   };
 
+  Counter& entry(const std::string& name, bool warns);
   void update(Status& status);
 
   Report report_;
+  std::mutex mutex_;  // of the entries: a node may still be under construction
   std::deque<Entry> entries_;
   ros::SteadyTime last_;
   diagnostic_updater::Updater updater_;

@@ -13,12 +13,16 @@ enum ExitStatus : int {
   kFailure = 1,      // an error of the node itself
   kBadInput = 2,     // UsageError: bad arguments, parameters or files
   kMasterLost = 75,  // no ROS master, or it went away (EX_TEMPFAIL: worth another try)
+  kShutDown = 76,  // ended by another node's `shutdown`: rosnode kill, or a second node of the name
 };
 
 struct NodeDescription {
   std::string name;        // default name of the node
   std::string help;        // topics, services and parameters, for --help
   bool anonymous = false;  // append what makes the name unique
+  // [s] after SIGINT or SIGTERM, when the process ends whatever it is at; 0: it ends by itself. For
+  // nodes that hold nothing that would be missed.
+  double patience = 0;
 };
 
 // Runs body() between ros::start() and ros::shutdown() and returns the exit status: that of body(),
@@ -27,6 +31,7 @@ struct NodeDescription {
 //   SIGINT, SIGTERM  turn running() false; ROS is up until body() has returned
 //   master           must answer within 5 s at the start; when it has not known this node for 3 s,
 //                    ROS is shut down, running() turns false, and the status is kMasterLost
+//   shutdown         by another node turns running() false, and the status is kShutDown
 int run_node(int argc, char** argv, const NodeDescription& description,
              const std::function<int()>& body);
 

@@ -1,0 +1,27 @@
+// Words about what others do, of which there may be thousands a second: one of a kind at a time.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+namespace threelink_sim {
+
+// Says the first at once, and then one in ten seconds of wall time, with the number of those that
+// were left out in between. Text is passed through excerpt(). For any thread.
+class QuietLog {
+ public:
+  void warn(const std::string& text) { say(text, false); }
+  void error(const std::string& text) { say(text, true); }
+
+ private:
+  void say(const std::string& text, bool error);
+
+  std::mutex mutex_;
+  bool said_ = false;
+  std::chrono::steady_clock::time_point last_;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace threelink_sim
