@@ -84,7 +84,7 @@ class LiveTest(TrainingTestCase):
     def test_a_robot_needs_no_more_than_the_topics(self):
         robot = ToyRobot("/threelink/", start_error=0.02)
         self.addCleanup(robot.end)
-        learner = self.learner(episodes=20)
+        learner = self.learner(episodes=20, replay=0)
         agent = self.agent()
         self.assertTrue(wait(lambda: "alpha_1 at the start is" in agent.text()), self.output())
         agent.kill()

@@ -149,20 +149,20 @@ class TrainingTest(TrainingTestCase):
                 for process in workers.values():
                     process.kill()
 
-    def test_a_worker_that_crashes_over_and_over_is_given_up(self):
+    def test_a_worker_that_crashes_over_and_over_is_set_aside(self):
         expected = self.in_process()
         learner = self.learner()
         for _ in range(6):
             crashing = self.worker("crashing", step_cost=1e6)  # so that it never hands anything in
             self.assertTrue(wait(lambda: any(lease.leases for lease in self.leases)
-                                 or "given up" in crashing.text()))
-            if "given up" in crashing.text():
+                                 or "set aside" in crashing.text()))
+            if "set aside" in crashing.text():
                 break
             crashing.kill()
             self.leases.clear()
-        self.assertTrue(wait(lambda: "given up: it started anew 5 times within 60 s"
+        self.assertTrue(wait(lambda: "set aside for 5 s: it started anew 5 times within 60 s"
                              in crashing.text()), self.output())
-        self.assertTrue(wait(lambda: "/threelink/crashing: given up"
+        self.assertTrue(wait(lambda: "/threelink/crashing: set aside"
                              in self.diagnostics.get("message", "")))
         self.assertEqual(self.updates(), 0)
         self.worker("worker_1")

@@ -12,101 +12,14 @@
 
 #include <gtest/gtest.h>
 
-#include "small_training.hpp"
+#include "dispatcher_fixture.hpp"
 #include "threelink_agent/distributed/fingerprint.hpp"
 #include "threelink_agent/distributed/lease_player.hpp"
 #include "threelink_agent/distributed/remote_rollouts.hpp"
 #include "threelink_agent/sha256.hpp"
+#include "threelink_sim/isa.hpp"
 
 namespace {
-
-using namespace threelink_agent;
-using namespace std::chrono_literals;
-using Time = Dispatcher::Time;
-
-constexpr std::uint64_t kSession = 77;
-constexpr int kEpisodes = 12;
-
-DispatcherSettings settings() {
-  DispatcherSettings settings;
-  settings.roster.session = kSession;
-  settings.roster.fingerprint = "abc";
-  settings.lease_time = 10s;
-  return settings;
-}
-
-WorkerStatus status_of(std::uint64_t instance, const std::string& name) {
-  WorkerStatus status;
-  status.name = name;
-  status.instance = instance;
-  status.protocol = kProtocol;
-  status.fingerprint = "abc";
-  return status;
-}
-WorkerStatus status_of(std::uint64_t instance) {
-  return status_of(instance, "worker_" + std::to_string(instance));
-}
-
-// A learner with one update to fill, at a time that only the test moves.
-class DispatcherTest : public testing::Test {
- protected:
-  DispatcherTest() {
-    TrainConfig config = threelink_tests::small();
-    config.environment.steps = 5;
-    config.hidden = {4};
-    config.update.minibatch = 30;
-    open(config, 3);
-  }
-
-  // The update after `version` of them.
-  void open(const TrainConfig& config, std::uint32_t version) {
-    config_ = config;
-    const Trainer trainer = threelink_tests::trainer_of(config);
-    const Policy policy = trainer.policy();
-    player_.load(policy.serialize(), "test");
-    update_ = {version, sha256(policy.serialize()), version * kEpisodes, kEpisodes};
-    const Play play{config.environment, config.homing, config.symmetry.canonical, policy.actor(),
-                    policy.log_std(),   config.seed,   update_.first_episode};
-    expected_ = LocalRollouts(1).play(play, kEpisodes);
-    dispatcher_.open(update_, Rollout(config.environment, kEpisodes));
-  }
-
-  void join(std::uint64_t instance) {
-    dispatcher_.connect(status_of(instance).name);
-    dispatcher_.hear(status_of(instance), now_);
-  }
-  std::vector<Lease> leases() { return dispatcher_.tick(now_).leases; }
-  Lease only_lease() {
-    const std::vector<Lease> given = leases();
-    EXPECT_EQ(given.size(), 1u);
-    return given.empty() ? Lease{} : given[0];
-  }
-  EpisodeBatch play(const Lease& lease) {
-    return player_.play({kSession, update_.version, update_.policy, lease.id, lease.worker,
-                         update_.first_episode + lease.first,
-                         static_cast<std::uint32_t>(lease.count)});
-  }
-  Verdict deliver(const EpisodeBatch& batch) { return dispatcher_.deliver(batch, now_); }
-  const WorkerRoster::Worker& worker(std::uint64_t instance) {
-    return dispatcher_.roster().workers().at(status_of(instance).name);
-  }
-  void expect_the_rollout() {
-    ASSERT_TRUE(dispatcher_.complete());
-    const Rollout rollout = dispatcher_.take();
-    EXPECT_EQ(rollout.observations, expected_->observations);
-    EXPECT_EQ(rollout.actions, expected_->actions);
-    EXPECT_EQ(rollout.log_probs, expected_->log_probs);
-    EXPECT_EQ(rollout.rewards, expected_->rewards);
-    EXPECT_EQ(rollout.captured, expected_->captured);
-  }
-
-  Time now_{};
-  TrainConfig config_;
-  LeasePlayer player_{std::make_unique<LocalRollouts>(1)};
-  Update update_{};
-  std::optional<Rollout> expected_;
-  Dispatcher dispatcher_{settings()};
-};
 
 TEST_F(DispatcherTest, OneWorkerPlaysTheRollout) {
   join(1);
@@ -151,10 +64,12 @@ TEST_F(DispatcherTest, WhatIsOpenIsSharedWithThoseThatAreBusy) {
   join(1), join(2), join(3);
   std::vector<Lease> given = leases();
   ASSERT_EQ(given.size(), 3u);
-  dispatcher_.disconnect("worker_3");
+  dispatcher_.disconnect("worker_3", now_);
   EpisodeBatch bad = play(given[0]);
   bad.checksum = "";
   deliver(bad);
+  EXPECT_TRUE(leases().empty());  // the true batch may still come
+  say_idle(1);
   const Lease half = only_lease();
   EXPECT_EQ(half.worker, 1u);
   EXPECT_EQ(half.count, 4);
@@ -233,8 +148,12 @@ TEST_F(DispatcherTest, AWorkerMayGiveALeaseBack) {
   const Dispatcher::Sending sending = dispatcher_.tick(now_);
   EXPECT_TRUE(sending.leases.empty());
   ASSERT_EQ(sending.refusals.size(), 1u);
-  EXPECT_EQ(sending.refusals[0].reason,
-            "given up: it gave 10 leases in a row back, the last one since the robot is tired");
+  EXPECT_EQ(
+      sending.refusals[0].reason,
+      "set aside for 5 s: it gave 10 leases in a row back, the last one since the robot is tired");
+  now_ += 5s;
+  dispatcher_.hear(status_of(1), now_);
+  EXPECT_EQ(only_lease().worker, 1u);
 }
 
 // Otherwise a worker that needs longer than a lease lasts would work for ever, for nothing.
@@ -275,7 +194,7 @@ TEST_F(DispatcherTest, ADeliveryCountsOnce) {
 TEST_F(DispatcherTest, WhatDisconnectsOrFallsSilentLosesItsLease) {
   join(1);
   only_lease();
-  dispatcher_.disconnect("worker_1");
+  dispatcher_.disconnect("worker_1", now_);
   EXPECT_EQ(dispatcher_.roster().alive(), 0);
   join(2);
   EXPECT_EQ(only_lease().worker, 2u);
@@ -302,7 +221,7 @@ TEST_F(DispatcherTest, ARespawnedWorkerTakesThePlaceOfTheOldOne) {
   expect_the_rollout();
 }
 
-TEST_F(DispatcherTest, AWorkerThatStartsOverAndOverIsGivenUp) {
+TEST_F(DispatcherTest, AWorkerThatStartsOverAndOverIsSetAside) {
   dispatcher_.connect("worker_1");
   for (std::uint64_t instance = 1; instance <= 6; ++instance) {
     EXPECT_EQ(dispatcher_.roster().alive(), instance > 1);
@@ -310,15 +229,16 @@ TEST_F(DispatcherTest, AWorkerThatStartsOverAndOverIsGivenUp) {
     now_ += 1s;
   }
   EXPECT_EQ(dispatcher_.roster().alive(), 0);
-  EXPECT_EQ(worker(1).refused, "given up: it started anew 5 times within 60 s");
+  EXPECT_EQ(worker(1).refused, "set aside for 5 s: it started anew 5 times within 60 s");
   const Dispatcher::Sending sending = dispatcher_.tick(now_);
   EXPECT_TRUE(sending.leases.empty());
   ASSERT_EQ(sending.refusals.size(), 1u);
   EXPECT_EQ(sending.refusals[0].worker, 6u);
   dispatcher_.hear(status_of(7, "worker_1"), now_);
   EXPECT_TRUE(leases().empty());
-  join(2);
-  EXPECT_EQ(only_lease().worker, 2u);
+  now_ += 5s;
+  dispatcher_.hear(status_of(7, "worker_1"), now_);
+  EXPECT_EQ(only_lease().worker, 7u);
 }
 
 TEST_F(DispatcherTest, RestartsThatAreFarApartAreForgiven) {
@@ -378,16 +298,39 @@ TEST_F(DispatcherTest, PoisonIsRefusedCountedAndGivenAgain) {
       {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.actions[3] = infinity; }},
       {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.log_probs[0] = -infinity; }},
       {Verdict::kNotFinite, [=](EpisodeBatch& b) { b.rewards[7] = nan; }},
+      {Verdict::kOtherBits,
+       [](EpisodeBatch& b) {
+         for (float& r : b.rewards) r += 1e-6F;
+       }},
+      {Verdict::kOtherBits,
+       [](EpisodeBatch& b) {
+         for (float& a : b.actions) a = -a;
+       }},
+      {Verdict::kOtherBits,
+       [](EpisodeBatch& b) {
+         for (float& o : b.observations) o = 0;
+       }},
+      {Verdict::kOtherBits,
+       [](EpisodeBatch& b) {
+         for (float& p : b.log_probs) p = -1;
+       }},
+      {Verdict::kOtherBits,
+       [](EpisodeBatch& b) {
+         for (auto& c : b.captured) c = 1;
+       }},
   };
-  std::uint64_t instance = 1;
+  std::uint64_t instance = 1, lost = 0;
   std::map<Verdict, std::uint64_t> counts;
   const auto expect_refused = [&](Verdict verdict, const EpisodeBatch& batch) {
     EXPECT_EQ(deliver(batch), verdict);
     EXPECT_EQ(dispatcher_.batches(verdict), ++counts[verdict]);
     EXPECT_EQ(worker(instance).batches_refused, 1u);
     EXPECT_EQ(dispatcher_.episodes_in(), 0);
-    dispatcher_.disconnect(status_of(instance++).name);
-    EXPECT_EQ(dispatcher_.leases_lost(), 0u);  // it had been given back
+    say_idle(instance);
+    // A batch that is for no lease of the worker says nothing about the one that it holds.
+    lost += verdict == Verdict::kNotLeased;
+    dispatcher_.disconnect(status_of(instance++).name, now_);
+    EXPECT_EQ(dispatcher_.leases_lost(), lost);
   };
   for (const auto& [verdict, spoil] : cases) {
     join(instance);
@@ -411,16 +354,37 @@ TEST_F(DispatcherTest, PoisonIsRefusedCountedAndGivenAgain) {
   expect_the_rollout();
 }
 
-TEST_F(DispatcherTest, AWorkerWithOneBadBatchAfterTheOtherIsGivenUp) {
+TEST_F(DispatcherTest, AWorkerWithOneBadBatchAfterTheOtherIsSetAsideForAWhile) {
   join(1);
-  for (int i = 0; i < 3; ++i) {
+  const auto spoil = [&] {
     EpisodeBatch batch = play(only_lease());
     batch.checksum = "";
     EXPECT_EQ(deliver(batch), Verdict::kBadChecksum);
+    say_idle(1);
+  };
+  for (int i = 0; i < 3; ++i) spoil();
+  EXPECT_EQ(
+      worker(1).refused,
+      "set aside for 5 s: it spoilt 3 leases in a row by bad batches, the last one bad checksum");
+  for (int pause : {5, 10, 20, 40, 80, 160, 300, 300}) {  // [s]
+    SCOPED_TRACE(pause);
+    EXPECT_TRUE(leases().empty());
+    EXPECT_EQ(dispatcher_.roster().aside().size(), 1u);
+    now_ += std::chrono::seconds(pause) - 1ms;
+    say_idle(1);
+    EXPECT_TRUE(leases().empty());
+    now_ += 1ms;
+    say_idle(1);
+    spoil();
   }
-  EXPECT_TRUE(leases().empty());
-  EXPECT_EQ(worker(1).refused,
-            "given up: it handed in 3 bad batches in a row, the last one bad checksum");
+  now_ += 300s;
+  say_idle(1);
+  EXPECT_EQ(deliver(play(only_lease())), Verdict::kAccepted);
+  expect_the_rollout();
+  open(config_, 4);
+  say_idle(1);
+  spoil();  // all is forgiven
+  EXPECT_EQ(worker(1).refused, "");
 }
 
 TEST_F(DispatcherTest, WhatAnotherLearnerLeasedIsLateAndItsWorkerBusy) {
@@ -486,6 +450,9 @@ TEST_F(DispatcherTest, WhateverHappensTheRolloutIsThatOfOneProcess) {
     patient.lease_episodes = 1 + below(kEpisodes);
     dispatcher_ = Dispatcher(patient);
     dispatcher_.open(update_, Rollout(config_.environment, kEpisodes));
+    const auto hand_in = [&](const EpisodeBatch& batch, const std::string& name) {
+      return dispatcher_.deliver(batch, name, now_);
+    };
     std::vector<Chaos> workers(1 + below(5));
     std::uint64_t next_instance = 1;
     for (int events = 0; !dispatcher_.complete(); ++events) {
@@ -507,11 +474,11 @@ TEST_F(DispatcherTest, WhateverHappensTheRolloutIsThatOfOneProcess) {
       }
       switch (below(10)) {
         case 0:  // killed
-          dispatcher_.disconnect(name);
+          dispatcher_.disconnect(name, now_);
           chaos.up = false;
           break;
         case 1:
-          if (chaos.old) deliver(*chaos.old);
+          if (chaos.old) hand_in(*chaos.old, name);
           break;
         case 2:  // a message is lost
           chaos.holds.reset();
@@ -520,7 +487,7 @@ TEST_F(DispatcherTest, WhateverHappensTheRolloutIsThatOfOneProcess) {
           if (chaos.holds) {
             EpisodeBatch bad = play(*chaos.holds);
             bad.rewards[below(static_cast<int>(bad.rewards.size()))] += 1;
-            deliver(bad);
+            hand_in(bad, name);
             chaos.holds.reset();
           }
           break;
@@ -532,7 +499,7 @@ TEST_F(DispatcherTest, WhateverHappensTheRolloutIsThatOfOneProcess) {
         default:
           if (chaos.holds) {
             chaos.old = play(*chaos.holds);
-            deliver(*chaos.old);
+            hand_in(*chaos.old, name);
             chaos.holds.reset();
           }
       }
@@ -556,6 +523,10 @@ TEST_F(DispatcherTest, WhateverHappensTheRolloutIsThatOfOneProcess) {
 TEST(FingerprintTest, IsTheSameEachTime) {
   EXPECT_EQ(fingerprint().size(), 64u);
   EXPECT_EQ(fingerprint(), fingerprint());
+  // Workers of other versions have it, too: a change of it is a change of all trainings.
+  if (threelink_sim::isa_in_use() != threelink_sim::Isa::kBaseline) {
+    EXPECT_EQ(fingerprint(), "fa2de02ad77d1be518f4972b053bdea584316a042a1c7bdc4df4dd9db75c5621");
+  }
 }
 
 TEST(EpisodeBatchTest, TheChecksumCoversEveryField) {
@@ -599,7 +570,9 @@ class Threads : public RemoteRollouts::Wire {
         const EpisodeBatch batch = player.play({session, update.version, update.policy, lease.id,
                                                 lease.worker, update.first_episode + lease.first,
                                                 static_cast<std::uint32_t>(lease.count)});
-        rollouts_->with([&](Dispatcher& dispatcher, Time now) { dispatcher.deliver(batch, now); });
+        rollouts_->with([&](Dispatcher& dispatcher, Time now) {
+          dispatcher.deliver(batch, status_of(lease.worker).name, now);
+        });
       });
   }
   void serve(RemoteRollouts& rollouts) { rollouts_ = &rollouts; }
@@ -662,6 +635,30 @@ TEST(RemoteRolloutsTest, WithoutWorkersItSaysWhoWasRefused) {
                           "protocol, the learner 2"));
   }
   EXPECT_EQ(trainer.state().update, 0u);
+}
+
+// A learner whose workers are all set aside waits for them: they may play again.
+TEST(RemoteRolloutsTest, WaitsForWorkersThatAreSetAside) {
+  const TrainConfig config = threelink_tests::small();
+  Threads threads;
+  RemoteRollouts::Settings settings = remote_settings();
+  settings.dispatcher.roster.most_restarts = 1;
+  settings.dispatcher.roster.first_pause = 300ms;  // and 50 ms without a worker are the most
+  auto source = std::make_unique<RemoteRollouts>(config, settings, threads, [] { return true; });
+  threads.serve(*source);
+  source->with([&](Dispatcher& dispatcher, Time now) {
+    dispatcher.connect("worker_2");
+    dispatcher.hear(status_of(1, "worker_2"), now);
+    dispatcher.hear(status_of(2, "worker_2"), now);
+    EXPECT_EQ(dispatcher.roster().alive(), 0);
+  });
+  const Time begin = std::chrono::steady_clock::now();
+  const Policy policy = threelink_tests::trainer_of(config).policy();
+  source->play(Play{config.environment, config.homing, config.symmetry.canonical, policy.actor(),
+                    policy.log_std(), config.seed, 0},
+               config.update.episodes);
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, 250ms);
+  threads.join();
 }
 
 TEST(RemoteRolloutsTest, CanBeInterrupted) {

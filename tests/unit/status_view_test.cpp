@@ -116,4 +116,26 @@ TEST(TerminalTest, DurationsAndBars) {
   EXPECT_EQ(bar(1.5, 3), "[###]");
 }
 
+// Texts of others do nothing to the terminal, and numbers of others nothing to the view.
+TEST(StatusScreenTest, ShowsWhatStrangersSayAsText) {
+  TrainingStatus wild = status();
+  WorkerReport worker_of_them = worker("a\033[2J\nb", WorkerReport::REFUSED);
+  worker_of_them.host = std::string(10000, 'h');
+  worker_of_them.reason = "\a\xff\u202e" + std::string(10000, 'r');
+  worker_of_them.silence = std::numeric_limits<double>::quiet_NaN();
+  wild.worker_reports.assign(1000, worker_of_them);
+  for (double number : {std::numeric_limits<double>::quiet_NaN(),
+                        std::numeric_limits<double>::infinity(), -1e308}) {
+    wild.steps_per_s = wild.mean_return = wild.time_left = number;
+    const std::vector<std::string> lines = status_screen(wild, 0, kLarge);
+    EXPECT_LE(lines.size(), kLarge.rows);
+    for (const std::string& line : lines) {
+      EXPECT_LT(line.size(), kLarge.columns);
+      for (char c : line) EXPECT_GE(static_cast<unsigned char>(c), 0x20) << line;
+    }
+    EXPECT_EQ(status_line(wild, number).find('\033'), std::string::npos);
+  }
+  EXPECT_NE(status_screen(wild, 0, kLarge)[6].find("a\\x1b[2J\\nb"), std::string::npos);
+}
+
 }  // namespace

@@ -1,6 +1,9 @@
 #include "threelink_agent/distributed/dispatcher.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "threelink_agent/distributed/live_episode.hpp"
 
 namespace threelink_agent {
 
@@ -14,6 +17,8 @@ const char* to_string(Verdict verdict) {
       return "double";
     case Verdict::kGivenBack:
       return "given back";
+    case Verdict::kStranger:
+      return "of a stranger";
     case Verdict::kNotLeased:
       return "not leased";
     case Verdict::kWrongPolicy:
@@ -24,6 +29,8 @@ const char* to_string(Verdict verdict) {
       return "bad checksum";
     case Verdict::kNotFinite:
       return "not finite";
+    case Verdict::kOtherBits:
+      return "other bits";
   }
   return "";
 }
@@ -31,9 +38,10 @@ const char* to_string(Verdict verdict) {
 Dispatcher::Dispatcher(const DispatcherSettings& settings)
     : settings_(settings), roster_(settings.roster) {}
 
-void Dispatcher::open(const Update& update, Rollout&& empty) {
+void Dispatcher::open(const Update& update, Rollout&& empty, const std::optional<Play>& play) {
   update_ = update;
   rollout_ = std::move(empty);
+  play_ = play;
   book_.open(update.episodes);
 }
 
@@ -43,24 +51,31 @@ Rollout Dispatcher::take() {
   return whole;
 }
 
-void Dispatcher::lose(const std::vector<Lease>& leases) {
+void Dispatcher::lose(const std::vector<Lease>& leases, Time now) {
   leases_lost_ += leases.size();
-  for (const Lease& lease : leases) roster_.lost(lease);
+  for (const Lease& lease : leases) roster_.lost(lease, now);
 }
 
 void Dispatcher::hear(const WorkerStatus& status, Time now) {
-  const WorkerRoster::Worker& worker =
-      roster_.hear(status, now, [this](std::uint64_t instance) { lose(book_.revoke(instance)); });
-  if (!worker.refused.empty()) refusals_.push_back({status.instance, worker.refused});
+  const WorkerRoster::Heard heard =
+      roster_.hear(status, now, [&](std::uint64_t instance) { lose(book_.revoke(instance), now); });
+  if (!heard.worker) {
+    ++statuses_refused_;
+    return;
+  }
+  if (heard.spoilt_lease != 0) book_.reopen(heard.spoilt_lease);
+  if (roster_.must_be_told(status.name, now))
+    refusals_.push_back({status.instance, heard.worker->refused});
 }
 
-void Dispatcher::disconnect(const std::string& name) {
-  lose(book_.revoke(roster_.disconnect(name)));
+void Dispatcher::disconnect(const std::string& name, Time now) {
+  lose(book_.revoke(roster_.disconnect(name)), now);
 }
 
-Verdict Dispatcher::judge(const EpisodeBatch& batch) const {
+Verdict Dispatcher::judge(const EpisodeBatch& batch, const std::string& publisher) {
   const bool done = batch.version == update_.version && !rollout_;
   if (batch.session != session() || batch.version < update_.version || done) return Verdict::kLate;
+  if (!roster_.is(publisher, batch.worker)) return Verdict::kStranger;
   if (batch.version != update_.version || batch.policy != update_.policy)
     return Verdict::kWrongPolicy;
   const Lease* lease = book_.find(batch.lease);
@@ -71,11 +86,24 @@ Verdict Dispatcher::judge(const EpisodeBatch& batch) const {
     return Verdict::kMalformed;
   if (batch.checksum != checksum(batch)) return Verdict::kBadChecksum;
   if (!all_finite(batch)) return Verdict::kNotFinite;
-  return Verdict::kAccepted;
+  return replays_differ(batch) ? Verdict::kOtherBits : Verdict::kAccepted;
 }
 
-Verdict Dispatcher::deliver(const EpisodeBatch& batch, Time now) {
-  Verdict verdict = judge(batch);
+bool Dispatcher::replays_differ(const EpisodeBatch& batch) {
+  if (!play_) return false;
+  play_->first_episode = batch.first_episode;
+  const int episodes = static_cast<int>(batch.episodes);
+  int left = std::min(settings_.replays, episodes);
+  for (int i = 0; left > 0; ++i) {  // each set of them with the same chance
+    if (std::uniform_int_distribution<int>(1, episodes - i)(lots_) > left) continue;
+    --left;
+    if (!difference_from_collect(*play_, batch, i).empty()) return true;
+  }
+  return false;
+}
+
+Verdict Dispatcher::deliver(const EpisodeBatch& batch, const std::string& publisher, Time now) {
+  Verdict verdict = judge(batch, publisher);
   if (verdict == Verdict::kAccepted) {
     const Lease lease = *book_.find(batch.lease);
     int fresh = 0;
@@ -86,21 +114,24 @@ Verdict Dispatcher::deliver(const EpisodeBatch& batch, Time now) {
     roster_.accepted(lease, fresh, now);
     if (fresh == 0) verdict = Verdict::kDouble;
   }
+  // A batch that is refused changes nothing but that: the name of its sender may be forged, and the
+  // true batch of the lease may still come. The worker says itself that it holds the lease no more.
   if (is_fault(verdict))
-    book_.reopen(roster_.bad_batch(batch.worker, to_string(verdict)));
-  else
+    roster_.bad_batch(publisher, batch, to_string(verdict));
+  else if (roster_.is(publisher, batch.worker))
     roster_.returned(batch.worker, batch.session, batch.lease);
   if (verdict == Verdict::kGivenBack) {
     book_.reopen(batch.lease);
-    roster_.gave_back(batch.worker, batch.given_back);
+    roster_.gave_back(batch.worker, batch.given_back, now);
   }
   ++batches_[static_cast<int>(verdict)];
   return verdict;
 }
 
 Dispatcher::Sending Dispatcher::tick(Time now) {
-  for (std::uint64_t instance : roster_.silent(now)) lose(book_.revoke(instance));
-  lose(book_.expire(now));
+  for (std::uint64_t instance : roster_.silent(now)) lose(book_.revoke(instance), now);
+  lose(book_.expire(now), now);
+  roster_.let_in(now);
   Sending sending;
   sending.refusals.swap(refusals_);
   if (!rollout_ || book_.complete()) return sending;

@@ -1,5 +1,8 @@
 #include "threelink_agent/distributed/lease_player.hpp"
 
+#include <new>
+#include <stdexcept>
+
 #include "threelink_agent/sha256.hpp"
 
 namespace threelink_agent {
@@ -35,6 +38,10 @@ EpisodeBatch LeasePlayer::play(const Assignment& assignment) {
       put(source_->play(*play_, static_cast<int>(assignment.episodes)), batch);
     } catch (const NoRollout& error) {
       batch.given_back = error.what();
+    } catch (const std::bad_alloc&) {
+      batch.given_back = "they need more memory than there is";
+    } catch (const std::length_error&) {
+      batch.given_back = "they need more memory than there is";
     }
   }
   batch.checksum = checksum(batch);

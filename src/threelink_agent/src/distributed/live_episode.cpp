@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "threelink_agent/distributed/episode_batch.hpp"
+
 namespace threelink_agent {
 namespace {
 
@@ -61,27 +63,31 @@ LiveEpisode::Verdict LiveEpisode::observation(std::uint64_t step,
   return Verdict::kAccepted;
 }
 
-std::string difference_from_collect(const Play& play, const Rollout& rollout, int i) {
+template <class Episodes>
+std::string difference_from_collect(const Play& play, const Episodes& episodes, int i) {
   Play alone = play;
   alone.first_episode += i;
   Rollout expected(play.environment, 1);
   collect(alone, 0, 1, expected);
-  const auto difference = [&](const char* name, const std::vector<float>& all,
-                              const std::vector<float>& one) -> std::string {
+  const auto difference = [&](const char* name, const auto& all, const auto& one) -> std::string {
     for (std::size_t k = 0; k < one.size(); ++k) {
-      const float& value = all[k * rollout.episodes + i];
-      if (std::memcmp(&value, &one[k], sizeof(float)) != 0)
+      const auto& value = all[k * episodes.episodes + i];
+      if (std::memcmp(&value, &one[k], sizeof value) != 0)
         return fmt::format("{} {} is {}, and should be {}", name, k, value, one[k]);
     }
     return "";
   };
   for (const std::string& text :
-       {difference("observation", rollout.observations, expected.observations),
-        difference("action", rollout.actions, expected.actions),
-        difference("log-probability", rollout.log_probs, expected.log_probs),
-        difference("reward", rollout.rewards, expected.rewards)})
+       {difference("observation", episodes.observations, expected.observations),
+        difference("action", episodes.actions, expected.actions),
+        difference("log-probability", episodes.log_probs, expected.log_probs),
+        difference("reward", episodes.rewards, expected.rewards),
+        difference("capture", episodes.captured, expected.captured)})
     if (!text.empty()) return text;
   return "";
 }
+
+template std::string difference_from_collect(const Play&, const Rollout&, int);
+template std::string difference_from_collect(const Play&, const EpisodeBatch&, int);
 
 }  // namespace threelink_agent

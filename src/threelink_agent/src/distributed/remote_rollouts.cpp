@@ -24,7 +24,7 @@ Rollout RemoteRollouts::play(const Play& play, int episodes) {
   std::unique_lock<std::mutex> lock(mutex_);
   wire_.send_policy(version, policy.serialize());
   dispatcher_.open({version, sha256(policy.serialize()), play.first_episode, episodes},
-                   Rollout(play.environment, episodes));
+                   Rollout(play.environment, episodes), play);
   last_alive_ = Clock::now();
   send_what_is_due();
   while (!complete_.wait_for(lock, 20ms, [this] { return dispatcher_.complete(); })) {
@@ -52,6 +52,7 @@ void RemoteRollouts::refuse_to_wait_alone() {
   const Clock::time_point now = Clock::now();
   if (dispatcher_.roster().alive() > 0) last_alive_ = now;
   if (now - last_alive_ <= settings_.worker_timeout) return;
+  if (!dispatcher_.roster().aside().empty()) return;  // they may play again, after their time
   std::string refused;
   for (const auto& [name, worker] : dispatcher_.roster().workers())
     if (!worker.refused.empty()) refused += fmt::format("; refused {}: {}", name, worker.refused);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <ros/console.h>
 
+#include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/node/topics.hpp"
 
 namespace threelink_agent {
@@ -41,6 +42,7 @@ Agent::Agent(Policy policy, const std::string& source, const AgentConfig& config
                    [this](Diagnostics::Status& status, double s) { report(status, s); }),
       other_swimmer_(diagnostics_.refusals("observation refused: of another swimmer")),
       wrong_kind_(diagnostics_.refusals("observation refused: wrong kind")),
+      wrong_frame_(diagnostics_.refusals("observation refused: wrong frame")),
       wrong_length_(diagnostics_.refusals("observation refused: wrong length")),
       out_of_range_(diagnostics_.refusals("observation refused: out of range")),
       refused_policies_(diagnostics_.refusals("policies refused")),
@@ -49,13 +51,18 @@ Agent::Agent(Policy policy, const std::string& source, const AgentConfig& config
   rates_.rates.resize(policy_.hinges());
   constexpr bool kLatch = true;
   rates_publisher_ = node_.advertise<threelink_msgs::HingeRates>(topics::kHingeRates, 10, kLatch);
-  const auto hints = ros::TransportHints().tcpNoDelay();
   ros::NodeHandle direct_node;
   direct_node.setCallbackQueue(&direct_queue_);
-  observation_subscriber_ =
-      direct_node.subscribe(topics::kObservation, 100, &Agent::on_observation, this, hints);
-  policy_subscriber_ = node_.subscribe(topics::kPolicy, 1, &Agent::on_policy, this);
-  load_server_ = node_.advertiseService(topics::kLoadPolicy, &Agent::on_load, this);
+  namespace message_size = threelink_sim::message_size;
+  observation_subscriber_ = threelink_sim::subscribe<threelink_msgs::Observation>(
+      direct_node, topics::kObservation, 100, message_size::kSmall, &diagnostics_,
+      [this](const auto& event) { on_observation(event); });
+  policy_subscriber_ = threelink_sim::subscribe<threelink_msgs::PolicyWeights>(
+      node_, topics::kPolicy, 1, message_size::kFile, &diagnostics_,
+      [this](const auto& event) { on_policy(event.getConstMessage()); });
+  load_server_ = threelink_sim::advertise_service<threelink_msgs::LoadPolicy>(
+      node_, topics::kLoadPolicy, message_size::kSmall, &diagnostics_,
+      [this](auto& call) { on_load(call); });
   if (config_.follow)
     follow_timer_ =
         node_.createSteadyTimer(ros::WallDuration(0.1), [this](const ros::SteadyTimerEvent&) {
@@ -92,42 +99,47 @@ void Agent::on_observation(const ros::MessageEvent<const threelink_msgs::Observa
 }
 
 bool Agent::acceptable(const threelink_msgs::Observation& observation, const std::string& refusal) {
+  constexpr std::size_t kLongestFrame = 64;
   const PolicyMetadata& metadata = policy_.metadata();
-  std::string reason = refusal;
-  if (!refusal.empty()) {
-    ++other_swimmer_;
-  } else if (observation.kind != to_string(metadata.observation)) {
-    ++wrong_kind_;
-    reason = fmt::format(
-        "observation \"{}\", but policy {} takes \"{}\"; set the simulator's parameter "
-        "observation to that",
-        observation.kind, policy_.id(), to_string(metadata.observation));
-  } else if (observation.values.size() != static_cast<std::size_t>(policy_.observation_size())) {
-    ++wrong_length_;
-    reason = fmt::format("observation of {} values, but policy {} takes {} ({} links)",
-                         observation.values.size(), policy_.id(), policy_.observation_size(),
-                         metadata.links);
-  } else {
-    for (double value : observation.values) {
-      if (std::abs(value) <= kMaxObservation) continue;
-      ++out_of_range_;
-      reason = fmt::format("observation with the value {}: must be finite and within +-{}", value,
-                           kMaxObservation);
-      break;
-    }
-  }
-  if (reason != refused_observation_) {
-    if (!reason.empty()) ROS_ERROR("refused: %s", reason.c_str());
-    refused_observation_ = reason;
-  }
-  return reason.empty();
+  const auto refuse = [this](Diagnostics::Counter& counter, threelink_sim::QuietLog& log,
+                             std::string reason) {
+    ++counter;
+    log.error("refused: " + reason);
+    refused_observation_ = std::move(reason);
+    return false;
+  };
+  if (!refusal.empty()) return refuse(other_swimmer_, swimmer_log_, refusal);
+  if (observation.kind != to_string(metadata.observation))
+    return refuse(
+        wrong_kind_, kind_log_,
+        fmt::format("observation \"{}\", but policy {} takes \"{}\"; set the simulator's parameter "
+                    "observation to that",
+                    threelink_sim::excerpt(observation.kind, 200), policy_.id(),
+                    to_string(metadata.observation)));
+  if (!threelink_sim::is_harmless(observation.header.frame_id, kLongestFrame))
+    return refuse(
+        wrong_frame_, frame_log_,
+        fmt::format("observation in the frame \"{}\": must be a name of {} letters at most",
+                    threelink_sim::excerpt(observation.header.frame_id, 200), kLongestFrame));
+  if (observation.values.size() != static_cast<std::size_t>(policy_.observation_size()))
+    return refuse(wrong_length_, length_log_,
+                  fmt::format("observation of {} values, but policy {} takes {} ({} links)",
+                              observation.values.size(), policy_.id(), policy_.observation_size(),
+                              metadata.links));
+  for (double value : observation.values)
+    if (!(std::abs(value) <= kMaxObservation))
+      return refuse(out_of_range_, range_log_,
+                    fmt::format("observation with the value {}: must be finite and within +-{}",
+                                value, kMaxObservation));
+  refused_observation_.clear();
+  return true;
 }
 
 template <class Load>
 bool Agent::replace(const std::string& source, Load load, std::string& status) {
   try {
     Policy policy = load();  // while the old one goes on answering
-    std::lock_guard<std::mutex> lock(mutex_);
+    const std::lock_guard<std::mutex> lock(mutex_);
     if (!same_swimmer(policy, policy_))
       throw PolicyError(fmt::format("{}: it is for {}; the one in use is for {}", source,
                                     swimmer(policy), swimmer(policy_)));
@@ -138,20 +150,21 @@ bool Agent::replace(const std::string& source, Load load, std::string& status) {
       next_ = Successor{std::move(policy), source};
     else
       put_in_use(std::move(policy), source);
-  } catch (const PolicyError& error) {
+    ++loaded_policies_;
+    refused_policy_.clear();
+    status = config_.follow ? source + " is in use from the next episode on"
+                            : fmt::format("policy {} from {} is in use", policy_.id(), source_);
+    return true;
+  } catch (const std::exception& error) {
+    const std::lock_guard<std::mutex> lock(mutex_);
     ++refused_policies_;
-    ROS_ERROR("refused: %s; policy %s from %s stays", error.what(), policy_.id().c_str(),
-              source_.c_str());
-    refused_policy_ = error.for_peers();
+    policy_log_.error(
+        fmt::format("refused: {}; policy {} from {} stays", error.what(), policy_.id(), source_));
+    refused_policy_ = threelink_sim::excerpt(threelink_sim::text_for_peers(error), 1000);
     status =
         fmt::format("refused: {}; policy {} from {} stays", refused_policy_, policy_.id(), source_);
     return false;
   }
-  ++loaded_policies_;
-  refused_policy_.clear();
-  status = config_.follow ? source + " is in use from the next episode on"
-                          : fmt::format("policy {} from {} is in use", policy_.id(), source_);
-  return true;
 }
 
 void Agent::put_in_use(Policy policy, const std::string& source) {
@@ -180,12 +193,13 @@ void Agent::load(const threelink_msgs::PolicyWeights& weights) {
       status);
 }
 
-bool Agent::on_load(threelink_msgs::LoadPolicy::Request& request,
-                    threelink_msgs::LoadPolicy::Response& response) {
+void Agent::on_load(threelink_sim::IntakeOfService<threelink_msgs::LoadPolicy>::Event& call) {
+  threelink_msgs::LoadPolicy::Response& response = call.getResponse();
+  const std::string& file = call.getRequest().file;
   response.success = replace(
-      request.file, [&] { return Policy::load(request.file); }, response.status);
+      threelink_sim::excerpt(file, 4096), [&] { return Policy::load(file); }, response.status);
+  const std::lock_guard<std::mutex> lock(mutex_);
   response.sha256 = policy_.sha256();
-  return true;
 }
 
 void Agent::report(Diagnostics::Status& status, double seconds) {

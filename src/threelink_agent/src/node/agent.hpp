@@ -19,6 +19,7 @@
 #include "threelink_agent/policy.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
+#include "threelink_sim/node/intake.hpp"
 
 namespace threelink_agent {
 
@@ -41,8 +42,7 @@ class Agent {
   void on_observation(const ros::MessageEvent<const threelink_msgs::Observation>& event);
   void on_policy(const threelink_msgs::PolicyWeights::ConstPtr& weights);
   void load(const threelink_msgs::PolicyWeights& weights);
-  bool on_load(threelink_msgs::LoadPolicy::Request& request,
-               threelink_msgs::LoadPolicy::Response& response);
+  void on_load(threelink_sim::IntakeOfService<threelink_msgs::LoadPolicy>::Event& call);
 
   bool acceptable(const threelink_msgs::Observation& observation, const std::string& refusal);
   // Puts the policy that load() returns in the place of the old one, unless load() throws or it is
@@ -65,6 +65,7 @@ class Agent {
   };
   std::optional<Successor> next_;                     // with the next episode
   std::string refused_observation_, refused_policy_;  // why the last one was; empty if it was not
+  threelink_sim::QuietLog swimmer_log_, kind_log_, frame_log_, length_log_, range_log_, policy_log_;
 
   threelink_msgs::HingeRates rates_;  // filled anew for each observation
   std::uint64_t answers_ = 0;         // since the last report
@@ -78,6 +79,7 @@ class Agent {
   Diagnostics diagnostics_;
   Diagnostics::Counter& other_swimmer_;
   Diagnostics::Counter& wrong_kind_;
+  Diagnostics::Counter& wrong_frame_;
   Diagnostics::Counter& wrong_length_;
   Diagnostics::Counter& out_of_range_;
   Diagnostics::Counter& refused_policies_;

@@ -11,6 +11,7 @@
 
 #include "agent.hpp"
 #include "live_loop.hpp"
+#include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/topics.hpp"
@@ -72,16 +73,25 @@ int collect(threelink_sim::Parameters& parameters) {
 std::optional<Policy> first_policy(std::string& source) {
   std::optional<Policy> first;
   ros::NodeHandle node;
-  using Weights = threelink_msgs::PolicyWeights::ConstPtr;
-  const boost::function<void(const Weights&)> take = [&](const Weights& weights) {
-    source = fmt::format("topic {}, version {}", threelink_sim::topics::kPolicy, weights->version);
+  threelink_sim::QuietLog log;
+  threelink_sim::Diagnostics diagnostics(
+      "policy", "threelink_agent", [](threelink_sim::Diagnostics::Status& status, double) {
+        status.summary(diagnostic_msgs::DiagnosticStatus::WARN, "there is no policy yet");
+      });
+  threelink_sim::Diagnostics::Counter& refused = diagnostics.refusals("policies refused");
+  const auto take = [&](const ros::MessageEvent<threelink_msgs::PolicyWeights const>& event) {
+    const threelink_msgs::PolicyWeights& weights = *event.getConstMessage();
+    source = fmt::format("topic {}, version {}", threelink_sim::topics::kPolicy, weights.version);
     try {
-      first = Policy::parse({weights->data.begin(), weights->data.end()}, source);
-    } catch (const PolicyError& error) {
-      ROS_ERROR("refused: %s", error.what());
+      first = Policy::parse({weights.data.begin(), weights.data.end()}, source);
+    } catch (const std::exception& error) {
+      ++refused;
+      log.error(fmt::format("refused: {}", error.what()));
     }
   };
-  const ros::Subscriber subscriber = node.subscribe(threelink_sim::topics::kPolicy, 1, take);
+  const ros::Subscriber subscriber = threelink_sim::subscribe<threelink_msgs::PolicyWeights>(
+      node, threelink_sim::topics::kPolicy, 1, threelink_sim::message_size::kFile, &diagnostics,
+      take);
   ROS_INFO("waiting for a policy on %s", subscriber.getTopic().c_str());
   while (!first && threelink_sim::running())
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.1));

@@ -1,6 +1,8 @@
 #include "learner.hpp"
 
+#include <algorithm>
 #include <random>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include <threelink_msgs/PolicyWeights.h>
 
 #include "threelink_agent/distributed/fingerprint.hpp"
+#include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/node/topics.hpp"
 #include "training_messages.hpp"
 
@@ -22,11 +25,28 @@ using diagnostic_msgs::DiagnosticStatus;
 using threelink_msgs::TrainingStatus;
 using threelink_msgs::WorkerReport;
 
+// Of so many workers at most: those that are alive, and that have played most, go before others.
+constexpr std::size_t kMostReports = 200;
+
 std::vector<WorkerReport> reports_of(const WorkerRoster& roster, Dispatcher::Time now) {
+  std::vector<const WorkerRoster::Worker*> workers;
+  for (const auto& [name, worker] : roster.workers()) workers.push_back(&worker);
+  if (workers.size() > kMostReports) {
+    const auto rank = [&](const WorkerRoster::Worker* worker) {
+      return std::make_tuple(!roster.alive(*worker), -static_cast<double>(worker->episodes),
+                             now - worker->heard);
+    };
+    std::stable_sort(workers.begin(), workers.end(),
+                     [&](const auto* a, const auto* b) { return rank(a) < rank(b); });
+    workers.resize(kMostReports);
+    std::sort(workers.begin(), workers.end(),
+              [](const auto* a, const auto* b) { return a->status.name < b->status.name; });
+  }
   std::vector<WorkerReport> reports;
-  for (const auto& [name, worker] : roster.workers()) {
+  for (const WorkerRoster::Worker* pointer : workers) {
+    const WorkerRoster::Worker& worker = *pointer;
     WorkerReport& report = reports.emplace_back();
-    report.name = name;
+    report.name = worker.status.name;
     report.state = roster.alive(worker)     ? WorkerReport::ALIVE
                    : worker.refused.empty() ? WorkerReport::GONE
                                             : WorkerReport::REFUSED;
@@ -81,6 +101,7 @@ RemoteRollouts::Settings read_remote_settings(threelink_sim::Parameters& given) 
   settings.worker_timeout = seconds(given.real("worker_timeout", {0.1, 1e6}, 30));
   settings.dispatcher.lease_time = seconds(given.real("lease_timeout", {0.1, 1e6}, 60));
   settings.dispatcher.lease_episodes = given.integer("lease_episodes", {1, 1000000}, 256);
+  settings.dispatcher.replays = given.integer("replay", {0, 1000000}, 1);
   return settings;
 }
 
@@ -110,7 +131,9 @@ Learner::Learner(const TrainConfig& config, const RemoteRollouts::Settings& sett
     : rollouts_(config, of_this_learner(settings), *this, std::move(keep_going)),
       status_publisher_([this](TrainingStatus& status) { add_workers(status); }),
       diagnostics_("training", "threelink_learner",
-                   [this](Diagnostics::Status& status, double) { report(status); }) {
+                   [this](Diagnostics::Status& status, double) { report(status); }),
+      strange_statuses_(diagnostics_.refusals("workers refused: another node")),
+      refused_statuses_(diagnostics_.refusals("workers refused: wrong values")) {
   constexpr bool kLatch = true;
   policy_publisher_ = node_.advertise<threelink_msgs::PolicyWeights>(topics::kPolicy, 1, kLatch);
   leases_publisher_ = node_.advertise<threelink_msgs::Leases>(
@@ -121,14 +144,17 @@ Learner::Learner(const TrainConfig& config, const RemoteRollouts::Settings& sett
         });
       },
       [this](const ros::SingleSubscriberPublisher& subscriber) {
-        rollouts_.with([&](Dispatcher& dispatcher, Dispatcher::Time) {
-          dispatcher.disconnect(subscriber.getSubscriberName());
+        rollouts_.with([&](Dispatcher& dispatcher, Dispatcher::Time now) {
+          dispatcher.disconnect(subscriber.getSubscriberName(), now);
         });
       });
-  const auto hints = ros::TransportHints().tcpNoDelay();
-  worker_subscriber_ = node_.subscribe(topics::kWorkers, 1000, &Learner::on_worker, this, hints);
-  episodes_subscriber_ =
-      node_.subscribe(topics::kEpisodes, 1000, &Learner::on_episodes, this, hints);
+  namespace message_size = threelink_sim::message_size;
+  worker_subscriber_ = threelink_sim::subscribe<threelink_msgs::WorkerStatus>(
+      node_, topics::kWorkers, 1000, message_size::kSmall, &diagnostics_,
+      [this](const auto& event) { on_worker(event); });
+  episodes_subscriber_ = threelink_sim::subscribe<threelink_msgs::EpisodeBatch>(
+      node_, topics::kEpisodes, 1000, message_size::kArrays, &diagnostics_,
+      [this](const auto& event) { on_episodes(event); });
 }
 
 void Learner::send_policy(std::uint64_t version, const std::string& bytes) {
@@ -161,28 +187,43 @@ void Learner::send(std::uint64_t session, const Update& update,
   leases_publisher_.publish(message);
 }
 
-void Learner::on_worker(const threelink_msgs::WorkerStatus& message) {
+// Only the node itself says who it is: what others say in its name has no effect.
+void Learner::on_worker(const ros::MessageEvent<threelink_msgs::WorkerStatus const>& event) {
+  const threelink_msgs::WorkerStatus& message = *event.getConstMessage();
+  if (message.name != event.getPublisherName()) {
+    ++strange_statuses_;
+    return;
+  }
   rollouts_.with([&](Dispatcher& dispatcher, Dispatcher::Time now) {
+    const std::uint64_t before = dispatcher.statuses_refused();
     dispatcher.hear(from_message(message), now);
+    refused_statuses_ += dispatcher.statuses_refused() - before;
   });
 }
 
-void Learner::on_episodes(const boost::shared_ptr<threelink_msgs::EpisodeBatch>& message) {
-  const EpisodeBatch batch = from_message(std::move(*message));
+void Learner::on_episodes(const ros::MessageEvent<threelink_msgs::EpisodeBatch const>& event) {
+  const std::string& publisher = event.getPublisherName();
+  const EpisodeBatch batch = from_message(threelink_msgs::EpisodeBatch(*event.getConstMessage()));
+  Verdict verdict{};
   rollouts_.with([&](Dispatcher& dispatcher, Dispatcher::Time now) {
-    const Verdict verdict = dispatcher.deliver(batch, now);
-    if (is_fault(verdict))
-      ROS_WARN("refused a batch of worker %016lx, lease %lu: %s", batch.worker, batch.lease,
-               to_string(verdict));
-    if (verdict == Verdict::kGivenBack)
-      ROS_WARN("worker %016lx gave lease %lu back: %s", batch.worker, batch.lease,
-               batch.given_back.c_str());
+    verdict = dispatcher.deliver(batch, publisher, now);
   });
+  threelink_sim::QuietLog& log = batch_logs_[static_cast<int>(verdict)];
+  if (is_fault(verdict))
+    log.warn(fmt::format("refused a batch of {} for worker {:016x}, lease {}: {}", publisher,
+                         batch.worker, batch.lease, to_string(verdict)));
+  if (verdict == Verdict::kGivenBack)
+    log.warn(fmt::format("{} gave lease {} back: {}", publisher, batch.lease,
+                         threelink_sim::excerpt(batch.given_back, 200)));
 }
 
 void Learner::add_workers(TrainingStatus& status) {
   rollouts_.with([&](Dispatcher& dispatcher, Dispatcher::Time now) {
     status.workers = dispatcher.roster().alive();
+    const auto aside = dispatcher.roster().aside();
+    if (status.workers == 0 && !aside.empty())
+      aside_log_.warn(fmt::format("no worker may play now; {} of those that are there is {}",
+                                  aside.front()->status.name, aside.front()->refused));
     status.worker_reports = reports_of(dispatcher.roster(), now);
   });
 }

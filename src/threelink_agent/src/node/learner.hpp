@@ -1,6 +1,7 @@
 // What ties a training to its workers over topics; docs/distributed.md has the protocol.
 #pragma once
 
+#include <array>
 #include <functional>
 
 #include <ros/node_handle.h>
@@ -11,11 +12,12 @@
 #include "status_publisher.hpp"
 #include "threelink_agent/distributed/remote_rollouts.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
+#include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/parameters.hpp"
 
 namespace threelink_agent {
 
-// ~worker_timeout, ~lease_timeout and ~lease_episodes.
+// ~worker_timeout, ~lease_timeout, ~lease_episodes and ~replay.
 RemoteRollouts::Settings read_remote_settings(threelink_sim::Parameters& given);
 
 // Raises the soft limit of open files to the hard one, for a worker takes four connections; to be
@@ -41,8 +43,8 @@ class Learner : public RolloutSource, private RemoteRollouts::Wire {
   void send(std::uint64_t session, const Update& update,
             const Dispatcher::Sending& sending) override;
 
-  void on_worker(const threelink_msgs::WorkerStatus& message);
-  void on_episodes(const boost::shared_ptr<threelink_msgs::EpisodeBatch>& message);
+  void on_worker(const ros::MessageEvent<threelink_msgs::WorkerStatus const>& event);
+  void on_episodes(const ros::MessageEvent<threelink_msgs::EpisodeBatch const>& event);
   void add_workers(threelink_msgs::TrainingStatus& status);
   void report(Diagnostics::Status& status);
 
@@ -50,6 +52,10 @@ class Learner : public RolloutSource, private RemoteRollouts::Wire {
   StatusPublisher status_publisher_;
   ros::NodeHandle node_;
   Diagnostics diagnostics_;
+  Diagnostics::Counter& strange_statuses_;
+  Diagnostics::Counter& refused_statuses_;
+  std::array<threelink_sim::QuietLog, kVerdicts> batch_logs_;
+  threelink_sim::QuietLog aside_log_;
   ros::Publisher policy_publisher_, leases_publisher_;
   ros::Subscriber worker_subscriber_, episodes_subscriber_;
 };

@@ -41,6 +41,8 @@ parameters (defaults in brackets)
   ~worker_timeout  [s] without any worker, after which the node ends with status 1 [30]
   ~lease_timeout   [s] after which episodes that have not come are given to another worker [60]
   ~lease_episodes  of a lease, at most [256]
+  ~replay          episodes of each batch that are played once more here before it is taken, so that
+                   nobody's wrong numbers get in; 0 where a robot is among the workers [1]
 exit status: 0 trained, or ended by SIGINT or SIGTERM; 1 failed; 2 wrong parameters or files;
   75 master lost. Whenever the run was begun, a checkpoint is left, and ~resume goes on.
 )";

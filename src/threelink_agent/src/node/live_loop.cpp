@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +9,9 @@
 #include <ros/param.h>
 #include <ros/service_client.h>
 
+#include "threelink_sim/excerpt.hpp"
+#include "threelink_sim/node/call_service.hpp"
+#include "threelink_sim/node/graph.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/topics.hpp"
@@ -38,19 +40,27 @@ LiveLoop::LiveLoop(const LiveLoopConfig& config)
       played_(diagnostics_.counter("episodes played")),
       episodes_given_up_(diagnostics_.refusals("episodes given up")),
       refused_states_(diagnostics_.refusals("state refused: stale")),
-      refused_observations_(diagnostics_.refusals("observation refused: stale")) {
+      refused_observations_(diagnostics_.refusals("observation refused: stale")),
+      strange_states_(diagnostics_.refusals("state refused: another node")),
+      strange_observations_(diagnostics_.refusals("observation refused: another node")),
+      strange_aborts_(diagnostics_.refusals("abort refused: another node")) {
   constexpr bool kLatch = true;
   target_.header.frame_id = threelink_sim::frames::kWorld;
   target_publisher_ = node_.advertise<geometry_msgs::PointStamped>(topics::kTarget, 10, kLatch);
   rates_publisher_ = node_.advertise<threelink_msgs::HingeRates>(topics::kHingeRates, 10, kLatch);
   episode_publisher_ = node_.advertise<Episode>(topics::kEpisode, 10, kLatch);
-  const auto hints = ros::TransportHints().tcpNoDelay();
   ros::NodeHandle direct_node;
   direct_node.setCallbackQueue(&direct_queue_);
-  state_subscriber_ = direct_node.subscribe(topics::kState, 100, &LiveLoop::on_state, this, hints);
-  observation_subscriber_ =
-      direct_node.subscribe(topics::kObservation, 100, &LiveLoop::on_observation, this, hints);
-  abort_subscriber_ = node_.subscribe(topics::kAbort, 10, &LiveLoop::on_abort, this);
+  using threelink_sim::message_size::kSmall;
+  state_subscriber_ = threelink_sim::subscribe<threelink_msgs::SwimmerState>(
+      direct_node, topics::kState, 100, kSmall, &diagnostics_,
+      [this](const auto& event) { on_state(event); });
+  observation_subscriber_ = threelink_sim::subscribe<threelink_msgs::Observation>(
+      direct_node, topics::kObservation, 100, kSmall, &diagnostics_,
+      [this](const auto& event) { on_observation(event); });
+  abort_subscriber_ = threelink_sim::subscribe<threelink_msgs::EpisodeAbort>(
+      node_, topics::kAbort, 10, kSmall, &diagnostics_,
+      [this](const auto& event) { on_abort(event); });
 }
 
 bool LiveLoop::ready() {
@@ -61,6 +71,7 @@ bool LiveLoop::ready() {
 
 Rollout LiveLoop::play(const Play& play, int episodes) {
   check_swimmer(play);
+  expect_peers();
   Rollout rollout(play.environment, episodes);
   rates_.rates.resize(rollout.hinges);
   for (int i = 0; i < episodes; ++i) play_episode(play, i, rollout);
@@ -141,21 +152,34 @@ threelink_msgs::SwimmerState LiveLoop::reset(const threelink_sim::SwimmerState& 
     constexpr bool kPersistent = true;
     reset_ = node_.serviceClient<threelink_msgs::Reset>(topics::kReset, kPersistent);
   }
-  // roscpp waits for an answer without end, unless the connection breaks.
-  auto answered = std::async(std::launch::async, [&] { return reset_.call(service); });
-  const auto deadline = Clock::now() + std::chrono::duration<double>(config_.reset_timeout);
-  while (answered.wait_for(50ms) != std::future_status::ready)
-    if (!threelink_sim::running() || Clock::now() > deadline) reset_.shutdown();
-  if (!threelink_sim::running()) throw Interrupted();
-  if (!answered.get()) {
+  using threelink_sim::Called;
+  const Called called = threelink_sim::call_service(reset_, service, config_.reset_timeout);
+  if (called == Called::kEnding) throw Interrupted();
+  if (called != Called::kAnswered) {
     reset_ = {};  // it may believe in a connection that is broken
     throw NoRollout(fmt::format("the service {} did not answer{}",
                                 node_.resolveName(topics::kReset),
-                                Clock::now() > deadline ? " in time (~reset_timeout)" : ""));
+                                called == Called::kTooLate ? " in time (~reset_timeout)" : ""));
   }
   if (!service.response.success)
-    throw NoRollout("the swimmer was not reset: " + service.response.status);
+    throw NoRollout("the swimmer was not reset: " +
+                    threelink_sim::excerpt(service.response.status, 200));
   return service.response.state;
+}
+
+// The node that serves `reset` speaks on the topics that it publishes; on others whoever is first.
+void LiveLoop::expect_peers() {
+  const auto servers = threelink_sim::providers_of(node_.resolveName(topics::kReset));
+  const auto expect = [&](threelink_sim::Peer& peer, const char* topic) {
+    peer.expect("");
+    if (servers.size() != 1) return;
+    const auto publishers = threelink_sim::publishers_of(node_.resolveName(topic));
+    if (std::count(publishers.begin(), publishers.end(), servers[0]) > 0) peer.expect(servers[0]);
+  };
+  const std::lock_guard<std::mutex> lock(mutex_);
+  expect(state_peer_, topics::kState);
+  expect(observation_peer_, topics::kObservation);
+  expect(abort_peer_, topics::kAbort);
 }
 
 void LiveLoop::take_start(const threelink_sim::SwimmerState& demanded,
@@ -165,6 +189,8 @@ void LiveLoop::take_start(const threelink_sim::SwimmerState& demanded,
     throw NoRollout(fmt::format("state 0 has {} hinge angles and {} links, and must have {} and {}",
                                 found.alpha.size(), found.theta.size(), demanded.alpha.size(),
                                 demanded.alpha.size() + 1));
+  if (!threelink_sim::well_formed(found))
+    throw NoRollout("state 0 has numbers that are not finite, or a wrong number of rates");
   const double tolerance = config_.exact ? 0 : config_.start_tolerance;
   for (std::size_t j = 0; j < found.alpha.size(); ++j)
     if (!(std::abs(found.alpha[j] - demanded.alpha[j]) <= tolerance))
@@ -194,19 +220,29 @@ void LiveLoop::wait_for_the_end() {
   publish_episode(Episode::TIMED_OUT);
 }
 
-void LiveLoop::on_state(const threelink_msgs::SwimmerState& state) {
+void LiveLoop::on_state(const Event<threelink_msgs::SwimmerState>& event) {
+  const threelink_msgs::SwimmerState& state = *event.getConstMessage();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!episode_ || !given_up_.empty()) return;
+  if (!state_peer_.may_be(event.getPublisherName())) {
+    ++strange_states_;
+    return;
+  }
   if (state.episode != description_.episode) {
     ++refused_states_;
     return;
   }
+  state_peer_.is(event.getPublisherName());
   // State 0 comes with the service's answer, too.
   if (state.step > 0) answer(state);
 }
 
 void LiveLoop::answer(const threelink_msgs::SwimmerState& state) {
-  const auto verdict = episode_->state(state.step, state.alpha, state.hinge_rates, state.reward);
+  // The rest of a state is not for learning, but the next target follows from it.
+  const bool good = threelink_sim::well_formed(state);
+  const auto verdict =
+      good ? episode_->state(state.step, state.alpha, state.hinge_rates, state.reward)
+           : LiveEpisode::Verdict::kMalformed;
   if (verdict == LiveEpisode::Verdict::kStale) ++refused_states_;
   if (!accept(verdict, "state", state.step)) return;
   ++steps_;
@@ -218,15 +254,22 @@ void LiveLoop::answer(const threelink_msgs::SwimmerState& state) {
   target_publisher_.publish(target_);
 }
 
-void LiveLoop::on_observation(const threelink_msgs::Observation& observation) {
+void LiveLoop::on_observation(const Event<threelink_msgs::Observation>& event) {
+  const threelink_msgs::Observation& observation = *event.getConstMessage();
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!episode_ || !given_up_.empty()) return;
+  if (!observation_peer_.may_be(event.getPublisherName())) {
+    ++strange_observations_;
+    return;
+  }
   if (observation.episode != description_.episode) {
     ++refused_observations_;
     return;
   }
+  observation_peer_.is(event.getPublisherName());
   if (observation.kind != threelink_msgs::Observation::DIRECTION) {
-    give_up(fmt::format("observation \"{}\", and must be \"{}\"", observation.kind,
+    give_up(fmt::format("observation \"{}\", and must be \"{}\"",
+                        threelink_sim::excerpt(observation.kind, 200),
                         threelink_msgs::Observation::DIRECTION));
     return;
   }
@@ -262,9 +305,14 @@ bool LiveLoop::accept(LiveEpisode::Verdict verdict, const char* what, std::uint6
   return verdict == Verdict::kAccepted;
 }
 
-void LiveLoop::on_abort(const threelink_msgs::EpisodeAbort& message) {
+void LiveLoop::on_abort(const Event<threelink_msgs::EpisodeAbort>& event) {
+  const threelink_msgs::EpisodeAbort& message = *event.getConstMessage();
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (episode_ && message.episode == description_.episode) give_up(message.reason);
+  if (!episode_ || message.episode != description_.episode) return;
+  if (abort_peer_.may_be(event.getPublisherName()))
+    give_up(threelink_sim::excerpt(message.reason, 1000));
+  else
+    ++strange_aborts_;
 }
 
 void LiveLoop::give_up(const std::string& reason) {

@@ -22,6 +22,7 @@
 #include "threelink_agent/training/rollout_source.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
+#include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/simulator_config.hpp"
 
 namespace threelink_agent {
@@ -49,6 +50,7 @@ class LiveLoop : public RolloutSource {
   using Diagnostics = threelink_sim::Diagnostics;
 
   void check_swimmer(const Play& play);
+  void expect_peers();
   void play_episode(const Play& play, int i, Rollout& rollout);
   threelink_msgs::SwimmerState reset(const threelink_sim::SwimmerState& start);
   // Turns the target, so that the swimmer is seen from the demanded side of it.
@@ -56,9 +58,11 @@ class LiveLoop : public RolloutSource {
                   const threelink_msgs::SwimmerState& found);
   void wait_for_the_end();
 
-  void on_state(const threelink_msgs::SwimmerState& state);
-  void on_observation(const threelink_msgs::Observation& observation);
-  void on_abort(const threelink_msgs::EpisodeAbort& message);
+  template <class Message>
+  using Event = ros::MessageEvent<Message const>;
+  void on_state(const Event<threelink_msgs::SwimmerState>& event);
+  void on_observation(const Event<threelink_msgs::Observation>& event);
+  void on_abort(const Event<threelink_msgs::EpisodeAbort>& event);
   // These are called with the mutex held.
   void answer(const threelink_msgs::SwimmerState& state);
   bool accept(LiveEpisode::Verdict verdict, const char* what, std::uint64_t step);
@@ -77,8 +81,9 @@ class LiveLoop : public RolloutSource {
   threelink_msgs::Episode description_;  // of it, or of the last one
   std::string given_up_;                 // why; empty if it was not
   Clock::time_point heard_;
-  std::uint64_t steps_ = 0;             // since the last report
-  Eigen::Vector2d to_target_;           // [L]
+  threelink_sim::Peer state_peer_, observation_peer_, abort_peer_;  // of this lease
+  std::uint64_t steps_ = 0;                                         // since the last report
+  Eigen::Vector2d to_target_;                                       // [L]
   threelink_msgs::HingeRates rates_;    // filled anew for each observation
   geometry_msgs::PointStamped target_;  // likewise
 
@@ -89,6 +94,9 @@ class LiveLoop : public RolloutSource {
   Diagnostics::Counter& episodes_given_up_;
   Diagnostics::Counter& refused_states_;
   Diagnostics::Counter& refused_observations_;
+  Diagnostics::Counter& strange_states_;
+  Diagnostics::Counter& strange_observations_;
+  Diagnostics::Counter& strange_aborts_;
   ros::Publisher target_publisher_, rates_publisher_, episode_publisher_;
   ros::Subscriber state_subscriber_, observation_subscriber_, abort_subscriber_;
   ros::ServiceClient reset_;

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "status_view.hpp"
+#include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
 
@@ -44,8 +45,9 @@ class Screen {
 class View {
  public:
   View() {
-    subscriber_ = node_.subscribe(threelink_sim::topics::kTrainingStatus, 1, &View::on_status, this,
-                                  ros::TransportHints().tcpNoDelay());
+    subscriber_ = threelink_sim::subscribe<threelink_msgs::TrainingStatus>(
+        node_, threelink_sim::topics::kTrainingStatus, 10, threelink_sim::message_size::kSmall,
+        nullptr, [this](const auto& event) { on_status(event); });
   }
 
   // Until the training has finished, or the node has to end.
@@ -63,7 +65,14 @@ class View {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void on_status(const threelink_msgs::TrainingStatus& status) {
+  // Of one learner: of another one when that has been silent for a while.
+  void on_status(const ros::MessageEvent<threelink_msgs::TrainingStatus const>& event) {
+    constexpr std::chrono::seconds kSilence(10);
+    const threelink_msgs::TrainingStatus& status = *event.getConstMessage();
+    if (status.updates == 0 || status.update > status.updates) return;  // no learner says that
+    if (!status_ || Clock::now() - heard_ > kSilence) learner_.expect("");
+    if (!learner_.may_be(event.getPublisherName())) return;
+    learner_.is(event.getPublisherName());
     status_ = status;
     heard_ = Clock::now();
   }
@@ -94,6 +103,7 @@ class View {
 
   ros::NodeHandle node_;
   ros::Subscriber subscriber_;
+  threelink_sim::Peer learner_;
   std::optional<threelink_msgs::TrainingStatus> status_;
   Clock::time_point heard_;
   Screen screen_;

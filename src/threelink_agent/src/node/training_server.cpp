@@ -1,5 +1,6 @@
 #include "training_server.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 
 #include "learner.hpp"
 #include "threelink_agent/training/run_lock.hpp"
+#include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
 
@@ -19,6 +21,7 @@ using diagnostic_msgs::DiagnosticStatus;
 using threelink_msgs::TrainFeedback;
 using threelink_msgs::TrainGoal;
 using threelink_msgs::TrainResult;
+using threelink_sim::excerpt;
 
 TrainResult result(std::uint8_t outcome, const std::string& reason) {
   TrainResult result;
@@ -47,13 +50,17 @@ TrainingServer::TrainingServer(int threads, bool plot, const RemoteRollouts::Set
 
 void TrainingServer::on_goal(Goal goal) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (goal_) {
-    const std::string reason =
-        fmt::format("a training into {} runs; cancel it first", goal_->getGoal()->out);
-    ROS_WARN("goal rejected: %s", reason.c_str());
+  const auto reject = [&](const std::string& reason) {
+    rejected_log_.warn("goal rejected: " + reason);
     goal.setRejected(result(Result::REJECTED, reason), reason);
-    return;
-  }
+  };
+  if (goal_)
+    return reject(fmt::format("a training into {} runs; cancel it first",
+                              excerpt(goal_->getGoal()->out, 200)));
+  constexpr std::size_t kLongest = 4096;  // [bytes] of a path
+  if (std::max(goal.getGoal()->config.size(), goal.getGoal()->out.size()) > kLongest)
+    return reject(
+        fmt::format("config or out is longer than {} bytes, which is the most", kLongest));
   goal_ = goal;
   cancelled_ = false;
   changed_.notify_one();
@@ -106,8 +113,9 @@ RunSettings TrainingServer::settings_of(const TrainGoal& goal) const {
 std::function<void()> TrainingServer::train(Goal goal) {
   bool accepted = false;
   const auto fail = [&](const std::string& prefix, const std::exception& error) {
-    ROS_ERROR("%s%s", prefix.c_str(), error.what());
-    const std::string reason = prefix + threelink_sim::text_for_peers(error);
+    failed_log_.error(prefix + error.what());
+    const std::string reason =
+        prefix + threelink_sim::excerpt(threelink_sim::text_for_peers(error), 2000);
     return [goal, accepted, reason]() mutable {
       if (accepted) {
         goal.setAborted(result(Result::FAILED, reason), reason);
@@ -148,9 +156,9 @@ std::function<void()> TrainingServer::train(Goal goal) {
     if (outcome.finished) return [goal, ended]() mutable { goal.setSucceeded(ended); };
     const bool by_client = threelink_sim::running();
     ended.outcome = by_client ? Result::CANCELLED : Result::FAILED;
-    ended.reason =
-        fmt::format("{}; a checkpoint is in {}, and resume goes on from it",
-                    by_client ? "cancelled" : "the server was ended", goal.getGoal()->out);
+    ended.reason = fmt::format("{}; a checkpoint is in {}, and resume goes on from it",
+                               by_client ? "cancelled" : "the server was ended",
+                               excerpt(goal.getGoal()->out, 200));
     return [goal, ended, by_client]() mutable {
       if (by_client) {
         goal.setCanceled(ended, ended.reason);
@@ -167,8 +175,9 @@ std::function<void()> TrainingServer::train(Goal goal) {
 
 void TrainingServer::report(Diagnostics::Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  status.summary(DiagnosticStatus::OK,
-                 goal_ ? "training into " + goal_->getGoal()->out : "waits for a goal");
+  status.summary(DiagnosticStatus::OK, goal_
+                                           ? "training into " + excerpt(goal_->getGoal()->out, 200)
+                                           : "waits for a goal");
 }
 
 }  // namespace threelink_agent

@@ -15,6 +15,7 @@
 #include "run_training.hpp"
 #include "threelink_agent/distributed/remote_rollouts.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
+#include "threelink_sim/node/quiet_log.hpp"
 
 namespace threelink_agent {
 
@@ -53,6 +54,7 @@ class TrainingServer {
   std::optional<Goal> goal_;  // until its training has ended, and before its client knows
   bool cancelled_ = false;
   Diagnostics diagnostics_;
+  threelink_sim::QuietLog rejected_log_, failed_log_;
   ros::CallbackQueue queue_;
   std::optional<Server> server_;
   ros::AsyncSpinner spinner_;

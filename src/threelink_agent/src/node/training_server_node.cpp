@@ -25,7 +25,8 @@ publishes, while it trains
 parameters (defaults in brackets)
   ~threads         that play and update; the policy does not depend on them [1]
   ~plot         draw learning_curve.png at the end of each training [true]
-  ~worker_timeout, ~lease_timeout, ~lease_episodes  as those of learner_node [30, 60, 256]
+  ~worker_timeout, ~lease_timeout, ~lease_episodes, ~replay
+                   as those of learner_node [30, 60, 256, 1]
 )";
 
 int run() {

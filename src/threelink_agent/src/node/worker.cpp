@@ -1,11 +1,13 @@
 #include "worker.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <random>
 #include <thread>
 #include <utility>
 
 #include <boost/make_shared.hpp>
+#include <fmt/format.h>
 #include <ros/console.h>
 #include <ros/this_node.h>
 #include <threelink_msgs/EpisodeBatch.h>
@@ -14,6 +16,7 @@
 
 #include "threelink_agent/distributed/fingerprint.hpp"
 #include "threelink_agent/sha256.hpp"
+#include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/isa.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
@@ -69,9 +72,13 @@ Worker::Worker(std::unique_ptr<RolloutSource> source, int threads, const std::st
       node_.advertise<threelink_msgs::EpisodeBatch>(topics::kEpisodes, 10, on_connect);
   status_publisher_ =
       node_.advertise<threelink_msgs::WorkerStatus>(topics::kWorkers, 10, on_connect);
-  const auto hints = ros::TransportHints().tcpNoDelay();
-  policy_subscriber_ = node_.subscribe(topics::kPolicy, 1, &Worker::on_policy, this, hints);
-  leases_subscriber_ = node_.subscribe(topics::kLeases, 100, &Worker::on_leases, this, hints);
+  namespace message_size = threelink_sim::message_size;
+  policy_subscriber_ = threelink_sim::subscribe<threelink_msgs::PolicyWeights>(
+      node_, topics::kPolicy, 10, message_size::kFile, &diagnostics_,
+      [this](const auto& event) { on_policy(event); });
+  leases_subscriber_ = threelink_sim::subscribe<threelink_msgs::Leases>(
+      node_, topics::kLeases, 100, message_size::kSmall, &diagnostics_,
+      [this](const auto& event) { on_leases(event); });
   status_timer_ = node_.createSteadyTimer(
       ros::WallDuration(1.0), [this](const ros::SteadyTimerEvent&) { publish_status(); });
   spinner_.start();
@@ -88,49 +95,92 @@ void Worker::publish_status() {
   status_publisher_.publish(message);
 }
 
-void Worker::on_policy(const threelink_msgs::PolicyWeights& message) {
+Worker::Learner& Worker::learner(const std::string& name) {
+  constexpr std::size_t kMost = 32;
+  if (learners_.size() >= kMost && learners_.count(name) == 0) {
+    const auto rank = [](const auto& entry) {
+      return std::make_pair(entry.second.played, entry.second.heard);
+    };
+    learners_.erase(
+        std::min_element(learners_.begin(), learners_.end(),
+                         [&](const auto& a, const auto& b) { return rank(a) < rank(b); }));
+  }
+  Learner& learner = learners_[name];
+  learner.heard = Clock::now();
+  return learner;
+}
+
+// Among those that are ready, the one that has waited longest.
+std::map<std::string, Worker::Learner>::iterator Worker::next_learner() {
+  auto next = learners_.end();
+  for (auto it = learners_.begin(); it != learners_.end(); ++it)
+    if (it->second.ready() && (next == learners_.end() || it->second.played < next->second.played))
+      next = it;
+  return next;
+}
+
+void Worker::tell_what_is_held() {
+  const auto next = next_learner();
+  const Assignment* held = playing_                  ? &*playing_
+                           : next != learners_.end() ? &*next->second.assignment
+                                                     : nullptr;
+  status_.lease = held ? held->lease : 0;
+  if (held) status_.session = held->session;
+}
+
+void Worker::on_policy(const ros::MessageEvent<threelink_msgs::PolicyWeights const>& event) {
+  const threelink_msgs::PolicyWeights& message = *event.getConstMessage();
   std::string bytes(message.data.begin(), message.data.end());
   const std::string hash = sha256(bytes);
   const std::lock_guard<std::mutex> lock(mutex_);
-  policy_bytes_ = std::move(bytes);
-  policy_ = hash;
+  Learner& from = learner(event.getPublisherName());
+  from.policy_bytes = std::move(bytes);
+  from.policy = hash;
+  tell_what_is_held();
   changed_.notify_one();
 }
 
-void Worker::on_leases(const threelink_msgs::Leases& message) {
+void Worker::on_leases(const ros::MessageEvent<threelink_msgs::Leases const>& event) {
+  const threelink_msgs::Leases& message = *event.getConstMessage();
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (assignment_ && assignment_->session != message.session) {  // from a learner that is gone
-    assignment_.reset();
-    status_.lease = 0;
-  }
+  Learner& from = learner(event.getPublisherName());
+  if (from.session != message.session) from.assignment.reset();  // from a learner that is gone
+  from.session = message.session;
   for (const threelink_msgs::LeaseRefusal& refusal : message.refusals) {
-    if (refusal.worker != status_.instance || refusal.reason == refused_) continue;
-    refused_ = refusal.reason;
-    ROS_ERROR("the learner refuses this worker: %s", refused_.c_str());
+    if (refusal.worker != status_.instance) continue;
+    const std::string reason = threelink_sim::excerpt(refusal.reason, 200);
+    if (reason == from.refused) continue;
+    from.refused = reason;
+    refused_log_.error(fmt::format("the learner refuses this worker: {}", reason));
   }
   for (const threelink_msgs::Lease& lease : message.leases) {
     if (lease.worker != status_.instance) continue;
-    refused_.clear();
-    assignment_ = Assignment{message.session, message.version,     message.policy, lease.id,
-                             lease.worker,    lease.first_episode, lease.episodes};
-    status_.session = message.session;
-    status_.lease = lease.id;
-    changed_.notify_one();
+    from.refused.clear();
+    from.assignment = Assignment{message.session, message.version,     message.policy, lease.id,
+                                 lease.worker,    lease.first_episode, lease.episodes};
   }
+  tell_what_is_held();
+  changed_.notify_one();
 }
 
 std::optional<Assignment> Worker::next() {
   std::unique_lock<std::mutex> lock(mutex_);
-  const auto ready = [this] { return assignment_ && assignment_->policy == policy_; };
+  const auto ready = [this] { return next_learner() != learners_.end(); };
   if (!changed_.wait_for(lock, 50ms, ready)) return {};
-  if (!player_.ready_for(*assignment_)) {
+  const auto next = next_learner();
+  playing_for_ = next->first;
+  Learner& from = next->second;
+  from.played = Clock::now();
+  if (!player_.ready_for(*from.assignment)) {
     try {
-      player_.load(policy_bytes_, "policy");
+      player_.load(from.policy_bytes, "policy");
     } catch (const std::exception& error) {
-      ROS_ERROR("%s", error.what());
+      load_log_.error(error.what());
     }
   }
-  return std::exchange(assignment_, std::nullopt);
+  playing_ = std::exchange(from.assignment, std::nullopt);
+  tell_what_is_held();
+  return playing_;
 }
 
 EpisodeBatch Worker::play(const Assignment& assignment) {
@@ -144,11 +194,12 @@ EpisodeBatch Worker::play(const Assignment& assignment) {
 }
 
 void Worker::hand_in(EpisodeBatch&& batch) {
-  const std::uint64_t session = batch.session, lease = batch.lease;
+  const std::uint64_t session = batch.session;
   const std::uint32_t episodes = batch.episodes;
   const std::string given_back = batch.given_back;
   if (!given_back.empty()) {
-    ROS_WARN("lease %lu goes back to the learner: %s", lease, given_back.c_str());
+    given_back_log_.warn(
+        fmt::format("lease {} goes back to the learner: {}", batch.lease, given_back));
     ++leases_given_back_;
   }
   auto message = boost::make_shared<threelink_msgs::EpisodeBatch>(to_message(std::move(batch)));
@@ -156,9 +207,11 @@ void Worker::hand_in(EpisodeBatch&& batch) {
   bool wanted;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    wanted = status_.session == session;
+    const auto learner = learners_.find(playing_for_);
+    wanted = learner != learners_.end() && learner->second.session == session;
     if (wanted) status_.episodes += episodes;
-    if (wanted && status_.lease == lease) status_.lease = 0;
+    playing_.reset();
+    tell_what_is_held();
     given_back_ = given_back;
   }
   if (wanted) episodes_publisher_.publish(message);
@@ -175,8 +228,13 @@ int Worker::run() {
 
 void Worker::report(Diagnostics::Status& status, double) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (!refused_.empty())
-    status.summary(DiagnosticStatus::ERROR, "refused by the learner: " + refused_);
+  const auto gives_leases = [](const auto& entry) {
+    return entry.second.refused.empty() && entry.second.played != Clock::time_point();
+  };
+  const auto refuses = [](const auto& entry) { return !entry.second.refused.empty(); };
+  const auto refused = std::find_if(learners_.begin(), learners_.end(), refuses);
+  if (refused != learners_.end() && std::none_of(learners_.begin(), learners_.end(), gives_leases))
+    status.summary(DiagnosticStatus::ERROR, "refused by the learner: " + refused->second.refused);
   else if (episodes_publisher_.getNumSubscribers() == 0)
     status.summary(DiagnosticStatus::WARN, "no learner");
   else if (!given_back_.empty())

@@ -1,8 +1,10 @@
 // The worker node: plays leased episodes; docs/distributed.md has the protocol.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -17,6 +19,7 @@
 #include "threelink_agent/distributed/lease_player.hpp"
 #include "threelink_agent/distributed/worker_roster.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
+#include "threelink_sim/node/intake.hpp"
 
 namespace threelink_agent {
 
@@ -35,8 +38,25 @@ class Worker {
  private:
   using Diagnostics = threelink_sim::Diagnostics;
 
-  void on_policy(const threelink_msgs::PolicyWeights& message);
-  void on_leases(const threelink_msgs::Leases& message);
+  using Clock = std::chrono::steady_clock;
+
+  // A node that publishes policies and leases. There is one learner; what strangers say stands
+  // beside it, and is played only if it is a policy and a lease that fit together, in turns.
+  struct Learner {
+    std::string policy_bytes, policy;      // the newest, and its sha256
+    std::optional<Assignment> assignment;  // not begun
+    std::uint64_t session = 0;             // of the leases heard last
+    std::string refused;                   // why it gives no leases
+    Clock::time_point heard, played;       // when it said something, and when a lease was begun
+    bool ready() const { return assignment && assignment->policy == policy; }
+  };
+
+  void on_policy(const ros::MessageEvent<threelink_msgs::PolicyWeights const>& event);
+  void on_leases(const ros::MessageEvent<threelink_msgs::Leases const>& event);
+  // These are called with the mutex held.
+  Learner& learner(const std::string& name);
+  std::map<std::string, Learner>::iterator next_learner();
+  void tell_what_is_held();
   void publish_status();
   void report(Diagnostics::Status& status, double seconds);
 
@@ -51,10 +71,11 @@ class Worker {
   std::mutex mutex_;  // of all down to given_back_
   std::condition_variable changed_;
   WorkerStatus status_;
-  std::string policy_bytes_, policy_;     // the newest, and its sha256
-  std::optional<Assignment> assignment_;  // not begun
-  std::string refused_;                   // why the learner gives no leases
-  std::string given_back_;                // why the last lease was; empty if it was played
+  std::map<std::string, Learner> learners_;  // by the name of the node
+  std::optional<Assignment> playing_;
+  std::string playing_for_;  // name of its learner
+  std::string given_back_;   // why the last lease was; empty if it was played
+  threelink_sim::QuietLog refused_log_, given_back_log_, load_log_;
 
   ros::NodeHandle node_;
   Diagnostics diagnostics_;

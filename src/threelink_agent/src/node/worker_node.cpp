@@ -39,6 +39,7 @@ int run() {
 }  // namespace threelink_agent
 
 int main(int argc, char** argv) {
-  return threelink_sim::run_node(argc, argv, {"worker", threelink_agent::kHelp},
+  constexpr double kPatience = 1;  // [s] a long lease is not played to its end
+  return threelink_sim::run_node(argc, argv, {"worker", threelink_agent::kHelp, false, kPatience},
                                  threelink_agent::run);
 }

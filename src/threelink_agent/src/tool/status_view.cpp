@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "threelink_sim/excerpt.hpp"
+
 namespace threelink_agent {
 namespace {
 
@@ -61,8 +63,16 @@ std::string workers(const TrainingStatus& status) {
   return text;
 }
 
+constexpr std::size_t kLongestName = 60, kLongestReason = 200;
+
 // Names in one namespace are shown without it.
-std::string last_part(const std::string& name) { return name.substr(name.rfind('/') + 1); }
+std::string last_part(const std::string& name) {
+  return threelink_sim::excerpt(name.substr(name.rfind('/') + 1), kLongestName);
+}
+
+std::string host_of(const WorkerReport& worker) {
+  return threelink_sim::excerpt(worker.host, kLongestName);
+}
 
 std::vector<std::string> table(std::vector<WorkerReport> reports, std::size_t room) {
   std::stable_sort(reports.begin(), reports.end(), [](const auto& a, const auto& b) {
@@ -71,7 +81,7 @@ std::vector<std::string> table(std::vector<WorkerReport> reports, std::size_t ro
   std::size_t name = 6, host = 4;
   for (const WorkerReport& worker : reports) {
     name = std::max(name, last_part(worker.name).size());
-    host = std::max(host, worker.host.size());
+    host = std::max(host, host_of(worker).size());
   }
   std::vector<std::string> lines{fmt::format("{:<{}}  {:<{}}  {:<7} {:>9} {:>10} {:>5} {:>8} {:>7}",
                                              "worker", name, "host", host, "state", "episodes",
@@ -80,10 +90,11 @@ std::vector<std::string> table(std::vector<WorkerReport> reports, std::size_t ro
     if (lines.size() + 1 >= room && lines.size() <= reports.size() - 1) break;
     std::string line =
         fmt::format("{:<{}}  {:<{}}  {:<7} {:>9} {:>10} {:>5} {:>8} {:>7}", last_part(worker.name),
-                    name, worker.host, host, state_of(worker), worker.episodes,
+                    name, host_of(worker), host, state_of(worker), worker.episodes,
                     fmt::format("{:.1f} s", worker.silence), worker.leases_lost,
                     worker.batches_refused, worker.instances);
-    if (!worker.reason.empty()) line += "  " + worker.reason;
+    if (!worker.reason.empty())
+      line += "  " + threelink_sim::excerpt(worker.reason, kLongestReason);
     lines.push_back(std::move(line));
   }
   if (const std::size_t left = reports.size() + 1 - lines.size())

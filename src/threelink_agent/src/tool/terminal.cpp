@@ -13,6 +13,8 @@ void say(const std::string& text) { std::fputs(text.c_str(), stdout); }
 void complain(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
 std::string duration(double seconds) {
+  constexpr double kMost = 1e9;
+  if (!(seconds >= 0 && seconds <= kMost)) return "some time";
   const auto s = static_cast<long>(seconds + 0.5);
   if (s < 120) return fmt::format("{} s", s);
   return s < 7200 ? fmt::format("{} min", s / 60)
@@ -20,7 +22,7 @@ std::string duration(double seconds) {
 }
 
 std::string bar(double done, int width) {
-  const int filled = std::clamp(static_cast<int>(done * width), 0, width);
+  const int filled = std::clamp(static_cast<int>(std::clamp(done, 0.0, 1.0) * width), 0, width);
   return "[" + std::string(filled, '#') + std::string(width - filled, '.') + "]";
 }
 

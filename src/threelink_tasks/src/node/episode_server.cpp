@@ -1,5 +1,6 @@
 #include "episode_server.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -7,6 +8,8 @@
 #include <ros/console.h>
 #include <threelink_msgs/LoadPolicy.h>
 
+#include "threelink_sim/excerpt.hpp"
+#include "threelink_sim/node/call_service.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
 
@@ -50,13 +53,17 @@ void EpisodeServer::play(const RunEpisodeGoal& goal) {
       server_.setAborted(done, done.reason);
     }
   } catch (const std::exception& error) {
-    ROS_ERROR("%s", error.what());
-    failed.reason = threelink_sim::text_for_peers(error);
+    log_.error(error.what());
+    failed.reason = threelink_sim::excerpt(threelink_sim::text_for_peers(error), 1000);
     server_.setAborted(failed, failed.reason);
   }
 }
 
 Assignment EpisodeServer::assignment(const RunEpisodeGoal& goal) const {
+  constexpr std::size_t kLongest = 1 << 16;  // [bytes]
+  if (std::max({goal.task.size(), goal.parameters.size(), goal.policy.size()}) > kLongest)
+    throw std::runtime_error(
+        fmt::format("a text of the goal is longer than {} bytes, which is the most", kLongest));
   Assignment wanted = config_.assignment;
   wanted.seed = goal.seed;
   if (!goal.policy.empty()) {
@@ -73,7 +80,12 @@ void EpisodeServer::load_policy(const PolicyInfo& policy) {
   if (policy.sha256 == agents_policy_) return;
   threelink_msgs::LoadPolicy load;
   load.request.file = policy.file;
-  if (!ros::service::call(ros::names::resolve(topics::kLoadPolicy), load))
+  constexpr double kPatience = 30;  // [s]
+  ros::ServiceClient client =
+      ros::NodeHandle().serviceClient<threelink_msgs::LoadPolicy>(topics::kLoadPolicy);
+  const auto called = threelink_sim::call_service(client, load, kPatience);
+  if (called == threelink_sim::Called::kEnding) throw std::runtime_error("interrupted");
+  if (called != threelink_sim::Called::kAnswered)
     throw std::runtime_error(fmt::format("policy {}: the agent's service {} does not answer",
                                          policy.file, ros::names::resolve(topics::kLoadPolicy)));
   agents_policy_ = load.response.sha256;

@@ -5,6 +5,7 @@
 #include <threelink_msgs/RunEpisodeAction.h>
 
 #include "task_player.hpp"
+#include "threelink_sim/node/quiet_log.hpp"
 
 namespace threelink_tasks {
 
@@ -29,6 +30,7 @@ class EpisodeServer {
   TaskPlayer& player_;
   TaskNodeConfig config_;
   std::string agents_policy_;  // sha256 of what the agent has
+  threelink_sim::QuietLog log_;
   actionlib::SimpleActionServer<threelink_msgs::RunEpisodeAction> server_;
 };
 

@@ -14,6 +14,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "../core/bag_reader.hpp"
+#include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/simulator_config.hpp"
@@ -82,11 +83,21 @@ void read_bag(const std::string& path, PlaybackConfig& config) {
 class Playback {
  public:
   explicit Playback(const PlaybackConfig& config)
-      : config_(config), view_(node_, config.view, [] {}) {
+      : config_(config),
+        diagnostics_("playback", "threelink_playback",
+                     [](threelink_sim::Diagnostics::Status&, double) {}),
+        refused_states_(diagnostics_.refusals("state refused: wrong values")),
+        refused_targets_(diagnostics_.refusals("target refused: wrong values")),
+        view_(node_, config.view, [] {}) {
     joint_publisher_ = node_.advertise<sensor_msgs::JointState>(topics::kJointStates, 100);
     path_publisher_ = node_.advertise<nav_msgs::Path>(topics::kTargetPath, 2, true);
-    state_subscriber_ = node_.subscribe(topics::kState, 1000, &Playback::on_state, this);
-    target_subscriber_ = node_.subscribe(topics::kTarget, 1000, &Playback::on_target, this);
+    using threelink_sim::message_size::kSmall;
+    state_subscriber_ = threelink_sim::subscribe<threelink_msgs::SwimmerState>(
+        node_, topics::kState, 1000, kSmall, &diagnostics_,
+        [this](const auto& event) { on_state(*event.getConstMessage()); });
+    target_subscriber_ = threelink_sim::subscribe<geometry_msgs::PointStamped>(
+        node_, topics::kTarget, 1000, kSmall, &diagnostics_,
+        [this](const auto& event) { on_target(*event.getConstMessage()); });
   }
 
   int run() {
@@ -119,6 +130,10 @@ class Playback {
   }
 
   void on_state(const threelink_msgs::SwimmerState& state) {
+    if (!threelink_sim::well_formed(state)) {
+      ++refused_states_;
+      return;
+    }
     state_stamp_ = state.header.stamp;
     view_.add(state);
     threelink_sim::to_joint_state(state, config_.view.scales, joints_);
@@ -126,6 +141,12 @@ class Playback {
   }
 
   void on_target(const geometry_msgs::PointStamped& target) {
+    const bool finite = std::isfinite(target.point.x) && std::isfinite(target.point.y) &&
+                        std::isfinite(target.point.z);
+    if (!finite || target.header.frame_id != threelink_sim::frames::kWorld) {
+      ++refused_targets_;
+      return;
+    }
     // Time goes back when the bag starts anew; the last targets may come after the first states.
     if (target.header.stamp <= target_stamp_) {
       target_path_.clear();
@@ -142,6 +163,9 @@ class Playback {
 
   PlaybackConfig config_;
   ros::NodeHandle node_;
+  threelink_sim::Diagnostics diagnostics_;
+  threelink_sim::Diagnostics::Counter& refused_states_;
+  threelink_sim::Diagnostics::Counter& refused_targets_;
   threelink_sim::SwimmerView view_;
   tf2_ros::TransformBroadcaster transform_publisher_;
   ros::Publisher joint_publisher_, path_publisher_;

@@ -44,13 +44,16 @@ visualization_msgs::InteractiveMarker target_marker(const Eigen::Vector2d& start
 
 }  // namespace
 
-PointInput::PointInput(ros::NodeHandle& node, const Eigen::Vector2d& start, double metre,
+PointInput::PointInput(ros::NodeHandle& node, threelink_sim::Diagnostics& diagnostics,
+                       const Eigen::Vector2d& start, double metre,
                        const std::function<void(const Eigen::Vector2d&)>& take_point,
                        const std::function<void()>& refused)
     : take_point_(take_point),
       refused_(refused),
       markers_(node.resolveName(topics::kTargetMarker)),
-      clicks_(node.subscribe(topics::kClickedPoint, 10, &PointInput::on_click, this)) {
+      clicks_(threelink_sim::subscribe<geometry_msgs::PointStamped>(
+          node, topics::kClickedPoint, 10, threelink_sim::message_size::kSmall, &diagnostics,
+          [this](const auto& event) { on_click(*event.getConstMessage()); })) {
   markers_.insert(target_marker(start, metre),
                   [this](const visualization_msgs::InteractiveMarkerFeedbackConstPtr& feedback) {
                     on_drag(feedback);

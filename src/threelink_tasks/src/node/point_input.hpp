@@ -8,13 +8,16 @@
 #include <interactive_markers/interactive_marker_server.h>
 #include <ros/node_handle.h>
 
+#include "threelink_sim/node/intake.hpp"
+
 namespace threelink_tasks {
 
 class PointInput {
  public:
   // take_point gets every point [m], in the node handle's queue; refused() is called for one that
   // is not finite or not in the frame `world`. The marker stands at `start` [m]; one L is `metre`.
-  PointInput(ros::NodeHandle& node, const Eigen::Vector2d& start, double metre,
+  PointInput(ros::NodeHandle& node, threelink_sim::Diagnostics& diagnostics,
+             const Eigen::Vector2d& start, double metre,
              const std::function<void(const Eigen::Vector2d&)>& take_point,
              const std::function<void()>& refused);
 

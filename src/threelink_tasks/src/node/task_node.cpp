@@ -37,7 +37,8 @@ parameters (defaults in brackets)
   ~allow_other_swimmer  than the one that the policy was trained for, by links, gamma, dt, joint limit [false]
   and those of the task: docs/tasks.md, and config/pursuit.yaml, star.yaml, ...
 exit status
-  0 every episode was captured or timed out; 1 one was aborted or could not start; 2 bad parameters
+  0 every episode was captured or timed out, or SIGINT or SIGTERM; 1 one was aborted or could not
+  start; 2 bad parameters
 )";
 
 int play_all(TaskPlayer& player, const TaskNodeConfig& config) {
@@ -45,9 +46,10 @@ int play_all(TaskPlayer& player, const TaskNodeConfig& config) {
   bool all_well = true;
   for (int i = 0; i < config.player.episodes && threelink_sim::running(); ++i) {
     const auto played = player.play(config.assignment, go_on);
+    if (!threelink_sim::running()) break;  // the episode was ended with the node
     all_well &= played && played->episode.status != threelink_msgs::Episode::ABORTED;
   }
-  return all_well && threelink_sim::running() ? threelink_sim::kSuccess : threelink_sim::kFailure;
+  return all_well ? threelink_sim::kSuccess : threelink_sim::kFailure;
 }
 
 int run() {

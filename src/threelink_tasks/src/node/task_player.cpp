@@ -13,7 +13,12 @@
 #include "point_input.hpp"
 #include "recording_words.hpp"
 #include "revision.hpp"
+#include "threelink_sim/excerpt.hpp"
+#include "threelink_sim/node/call_service.hpp"
+#include "threelink_sim/node/conversions.hpp"
+#include "threelink_sim/node/graph.hpp"
 #include "threelink_sim/node/node_main.hpp"
+#include "threelink_sim/node/peer_types.hpp"
 #include "threelink_sim/node/topics.hpp"
 #include "threelink_tasks/episode.hpp"
 #include "waypoint_markers.hpp"
@@ -40,6 +45,10 @@ TaskPlayer::TaskPlayer(const PlayerConfig& config)
                      report(status, seconds);
                    }),
       refused_states_(diagnostics_.refusals("state refused: out of order")),
+      malformed_states_(diagnostics_.refusals("state refused: wrong values")),
+      strange_states_(diagnostics_.refusals("state refused: another node")),
+      strange_aborts_(diagnostics_.refusals("abort refused: another node")),
+      strange_recordings_(diagnostics_.refusals("recording refused: another node")),
       refused_points_(diagnostics_.refusals("clicked point refused")) {
   constexpr bool kLatch = true;
   target_publisher_ = node_.advertise<geometry_msgs::PointStamped>(topics::kTarget, 10, kLatch);
@@ -49,10 +58,16 @@ TaskPlayer::TaskPlayer(const PlayerConfig& config)
       node_.advertise<visualization_msgs::MarkerArray>(topics::kWaypoints, 2, kLatch);
   ros::NodeHandle lockstep_node;
   lockstep_node.setCallbackQueue(&direct_queue_);
-  state_subscriber_ = lockstep_node.subscribe(topics::kState, 100, &TaskPlayer::on_state, this,
-                                              ros::TransportHints().tcpNoDelay());
-  abort_subscriber_ = node_.subscribe(topics::kAbort, 10, &TaskPlayer::on_abort, this);
-  recording_subscriber_ = node_.subscribe(topics::kRecording, 10, &TaskPlayer::on_recording, this);
+  using threelink_sim::message_size::kSmall;
+  state_subscriber_ = threelink_sim::subscribe<threelink_msgs::SwimmerState>(
+      lockstep_node, topics::kState, 100, kSmall, &diagnostics_,
+      [this](const auto& event) { on_state(event); });
+  abort_subscriber_ = threelink_sim::subscribe<threelink_msgs::EpisodeAbort>(
+      node_, topics::kAbort, 10, kSmall, &diagnostics_,
+      [this](const auto& event) { on_abort(event); });
+  recording_subscriber_ =
+      threelink_sim::subscribe<Recording>(node_, topics::kRecording, 10, kSmall, &diagnostics_,
+                                          [this](const auto& event) { on_recording(event); });
   target_.header.frame_id = threelink_sim::frames::kWorld;
 }
 
@@ -75,7 +90,7 @@ std::optional<PlayedEpisode> TaskPlayer::play(const Assignment& assignment, cons
   wait_until_ready();
   if (!threelink_sim::running()) return {};
   assignment_ = assignment;
-  start_episode();
+  if (!start_episode()) return {};
   std::unique_ptr<PointInput> points;
   if (assignment_.task->takes_points()) {
     const double metre = config_.simulator.scales.length;
@@ -83,15 +98,15 @@ std::optional<PlayedEpisode> TaskPlayer::play(const Assignment& assignment, cons
       std::lock_guard<std::mutex> lock(mutex_);
       assignment_.task->take_point(point / metre);
     };
-    points = std::make_unique<PointInput>(node_, metre * first_centroid_, metre, take_point,
-                                          [this] { ++refused_points_; });
+    points = std::make_unique<PointInput>(node_, diagnostics_, metre * first_centroid_, metre,
+                                          take_point, [this] { ++refused_points_; });
   }
   while (this->watch(watch))
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kPathPeriod));
   if (config_.record) wait_for(kRecordingTimeout, [this] { return recorded(); });
   std::printf("%s\n", line().c_str());
   std::fflush(stdout);
-  return PlayedEpisode{episode_, energy_, recorded() ? recording_ : std::nullopt};
+  return PlayedEpisode{episode_, energy_, recording_};
 }
 
 bool TaskPlayer::watch(const Watch& watch) {
@@ -101,8 +116,10 @@ bool TaskPlayer::watch(const Watch& watch) {
   if (playing_ && !threelink_sim::running()) {
     end_episode(Episode::ABORTED, "interrupted");
   } else if (playing_ && silence > silence_limit_) {
-    end_episode(Episode::ABORTED, fmt::format("no state {} in {:.1f} s: the simulator is silent",
-                                              next_step_, silence));
+    const std::string conflict = threelink_sim::other_type_on(node_.resolveName(topics::kState));
+    end_episode(Episode::ABORTED,
+                fmt::format("no state {} in {:.1f} s: {}", next_step_, silence,
+                            conflict.empty() ? "the simulator is silent" : conflict));
   } else if (playing_ && !wanted.empty()) {
     end_episode(Episode::ABORTED, wanted);
   }
@@ -129,17 +146,22 @@ void TaskPlayer::wait_until_ready() {
   if (!wait([&] { return ros::service::exists(reset, false); }))
     throw std::runtime_error(fmt::format("no service {} in {} s: is simulator_node running?", reset,
                                          config_.start_timeout));
-  if (config_.record && !wait([this] { return recording_.has_value(); }))
-    throw std::runtime_error(
-        fmt::format("no recorder is ready on {} in {} s: is recorder_node running, and every topic "
-                    "that it waits for? (record:=false does without)",
-                    recording_subscriber_.getTopic(), config_.start_timeout));
+  if (config_.record && !wait([this] { return recorder_ready_; })) {
+    const std::string topic = recording_subscriber_.getTopic();
+    const std::string conflict = threelink_sim::other_type_on(topic);
+    throw std::runtime_error(fmt::format(
+        "no recorder is ready on {} in {} s: {} (record:=false does without)", topic,
+        config_.start_timeout,
+        conflict.empty() ? "is recorder_node running, and every topic that it waits for?"
+                         : conflict));
+  }
   if (config_.record && recording_ && recording_->state == Recording::FAILED &&
       recording_->episode == 0)
-    throw threelink_sim::UsageError("the recorder cannot record: " + recording_->status);
+    throw threelink_sim::UsageError("the recorder cannot record: " +
+                                    threelink_sim::excerpt(recording_->status, 1000));
 }
 
-void TaskPlayer::start_episode() {
+bool TaskPlayer::start_episode() {
   const Start start = assignment_.task->start();
   threelink_msgs::Reset reset;
   reset.request.seed = assignment_.seed;
@@ -151,13 +173,24 @@ void TaskPlayer::start_episode() {
     constexpr bool kPersistent = true;
     reset_ = node_.serviceClient<threelink_msgs::Reset>(topics::kReset, kPersistent);
   }
-  if (!reset_.call(reset))
-    throw std::runtime_error("the service " + reset_.getService() + " did not answer");
+  const auto called = threelink_sim::call_service(reset_, reset, config_.start_timeout);
+  if (called == threelink_sim::Called::kEnding) return false;
+  if (called != threelink_sim::Called::kAnswered) {
+    reset_ = {};  // it may believe in a connection that is broken
+    throw std::runtime_error(
+        fmt::format("the service {} did not answer{}", node_.resolveName(topics::kReset),
+                    called == threelink_sim::Called::kTooLate ? " in time (~start_timeout)" : ""));
+  }
   if (!reset.response.success)
-    throw std::runtime_error("the simulator refused to start: " + reset.response.status);
+    throw std::runtime_error("the simulator refused to start: " +
+                             threelink_sim::excerpt(reset.response.status, 200));
+  const std::string simulator = simulators_name();
+  const threelink_msgs::SwimmerState& state = reset.response.state;
+  if (!threelink_sim::well_formed(state))
+    throw std::runtime_error("the simulator started from a state that is none");
 
   std::lock_guard<std::mutex> lock(mutex_);
-  const threelink_msgs::SwimmerState& state = reset.response.state;
+  simulator_.expect(simulator);
   first_centroid_ = {state.centroid[0], state.centroid[1]};
   assignment_.task->reset(assignment_.seed, state.episode);
   target_path_.clear();
@@ -176,17 +209,39 @@ void TaskPlayer::start_episode() {
   episode_.policy_file = assignment_.policy.file;
   episode_.policy_sha256 = assignment_.policy.sha256;
   episode_.revision = kRevision;
+  recording_.reset();
   answer(state);
+  return true;
 }
 
-void TaskPlayer::on_state(const threelink_msgs::SwimmerState& state) {
+// The node that serves `reset`, if it publishes the states, too; else empty.
+std::string TaskPlayer::simulators_name() const {
+  const auto providers = threelink_sim::providers_of(node_.resolveName(topics::kReset));
+  const auto publishers = threelink_sim::publishers_of(node_.resolveName(topics::kState));
+  const bool one =
+      providers.size() == 1 && std::count(publishers.begin(), publishers.end(), providers[0]) > 0;
+  return one ? providers[0] : "";
+}
+
+void TaskPlayer::on_state(const Event<threelink_msgs::SwimmerState>& event) {
+  const threelink_msgs::SwimmerState& state = *event.getConstMessage();
   std::lock_guard<std::mutex> lock(mutex_);
+  if (!playing_) return;
+  if (!simulator_.may_be(event.getPublisherName())) {
+    ++strange_states_;
+    return;
+  }
   // State 0 comes with the service's answer, too, and latched states may be repeated.
-  if (!playing_ || (state.episode == episode_.episode && state.step < next_step_)) return;
+  if (state.episode == episode_.episode && state.step < next_step_) return;
   if (state.episode != episode_.episode || state.step != next_step_) {
     ++refused_states_;
     return;
   }
+  if (!threelink_sim::well_formed(state)) {
+    ++malformed_states_;
+    return;
+  }
+  simulator_.is(event.getPublisherName());
   answer(state);
 }
 
@@ -224,9 +279,31 @@ void TaskPlayer::publish_target(const ros::Time& stamp) {
   target_path_.add(episode_.step, pose);
 }
 
-void TaskPlayer::on_abort(const threelink_msgs::EpisodeAbort& message) {
-  if (playing_ && message.episode == episode_.episode)
-    end_episode(Episode::ABORTED, message.reason);
+void TaskPlayer::on_abort(const Event<threelink_msgs::EpisodeAbort>& event) {
+  const threelink_msgs::EpisodeAbort& message = *event.getConstMessage();
+  std::lock_guard<std::mutex> lock(mutex_);
+  if (!playing_ || message.episode != episode_.episode) return;
+  if (simulator_.may_be(event.getPublisherName()))
+    end_episode(Episode::ABORTED, threelink_sim::excerpt(message.reason, 1000));
+  else
+    ++strange_aborts_;
+}
+
+void TaskPlayer::on_recording(const Event<Recording>& event) {
+  const Recording& message = *event.getConstMessage();
+  if (recorder_.name().empty()) {  // the launch files' name for it goes before others
+    const std::string usual = node_.resolveName("recorder");
+    const auto publishers = threelink_sim::publishers_of(recording_subscriber_.getTopic());
+    if (std::count(publishers.begin(), publishers.end(), usual) > 0) recorder_.expect(usual);
+  }
+  if (!recorder_.may_be(event.getPublisherName())) {
+    ++strange_recordings_;
+    return;
+  }
+  recorder_.is(event.getPublisherName());
+  recorder_ready_ = true;
+  if (message.episode == episode_.episode && message.state != Recording::READY)
+    recording_ = message;
 }
 
 // No target answers the last state: the simulator would take one step more.
@@ -237,10 +314,7 @@ void TaskPlayer::end_episode(std::uint8_t status, const std::string& reason) {
   episode_publisher_.publish(episode_);
 }
 
-bool TaskPlayer::recorded() const {
-  return recording_ && recording_->episode == episode_.episode &&
-         recording_->state != Recording::READY;
-}
+bool TaskPlayer::recorded() const { return recording_.has_value(); }
 
 std::string TaskPlayer::line() const {
   std::string figures = fmt::format("t = {:.6g}, distance {:.3g}, mean speed {:.3g}", episode_.time,
@@ -257,13 +331,15 @@ std::string TaskPlayer::line() const {
         fmt::format("aborted ({}) after {} steps ({})", episode_.reason, episode_.step, figures);
   }
   if (!config_.record) return text;
+  const auto path = [](const std::string& name) { return threelink_sim::excerpt(name, 4096); };
   if (!recorded()) return text + ", no bag (the recorder is silent)";
   if (recording_->state == Recording::FAILED)
-    return text + fmt::format(", no bag ({})", recording_->status);
-  text += ", bag " + recording_->bag;
+    return text + fmt::format(", no bag ({})", threelink_sim::excerpt(recording_->status, 1000));
+  text += ", bag " + path(recording_->bag);
   if (recording_->status.rfind(kNothingMissing, 0) != 0)
-    text += fmt::format(" ({})", recording_->status);
-  return text + (recording_->picture.empty() ? ", no picture" : ", picture " + recording_->picture);
+    text += fmt::format(" ({})", threelink_sim::excerpt(recording_->status, 1000));
+  return text +
+         (recording_->picture.empty() ? ", no picture" : ", picture " + path(recording_->picture));
 }
 
 void TaskPlayer::report(threelink_sim::Diagnostics::Status& status, double seconds) {

@@ -17,6 +17,7 @@
 #include "task_config.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
+#include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/thinned_path.hpp"
 
 namespace threelink_tasks {
@@ -48,13 +49,17 @@ class TaskPlayer {
   bool wait_for(double seconds, const std::function<bool()>& condition);
 
   void wait_until_ready();
-  void start_episode();
+  // False if the node has to end before it starts.
+  bool start_episode();
+  std::string simulators_name() const;
   // Ends the episode if the node has to end, the simulator is silent or somebody wants it ended;
   // false once it is over.
   bool watch(const Watch& watch);
-  void on_state(const threelink_msgs::SwimmerState& state);
-  void on_abort(const threelink_msgs::EpisodeAbort& message);
-  void on_recording(const threelink_msgs::Recording& message) { recording_ = message; }
+  template <class Message>
+  using Event = ros::MessageEvent<Message const>;
+  void on_state(const Event<threelink_msgs::SwimmerState>& event);
+  void on_abort(const Event<threelink_msgs::EpisodeAbort>& event);
+  void on_recording(const Event<threelink_msgs::Recording>& event);
   void answer(const threelink_msgs::SwimmerState& state);
   void publish_target(const ros::Time& stamp);
   void show();
@@ -69,6 +74,10 @@ class TaskPlayer {
   ros::NodeHandle node_;
   threelink_sim::Diagnostics diagnostics_;
   threelink_sim::Diagnostics::Counter& refused_states_;
+  threelink_sim::Diagnostics::Counter& malformed_states_;
+  threelink_sim::Diagnostics::Counter& strange_states_;
+  threelink_sim::Diagnostics::Counter& strange_aborts_;
+  threelink_sim::Diagnostics::Counter& strange_recordings_;
   threelink_sim::Diagnostics::Counter& refused_points_;
 
   // States are answered in roscpp's network thread; all else happens in the main one. Guards what
@@ -82,11 +91,14 @@ class TaskPlayer {
   std::uint64_t steps_ = 0;          // since the last report
   Eigen::Vector2d first_centroid_;   // [L]
   Clock::time_point heard_;          // when the simulator was heard last
+  threelink_sim::Peer simulator_;    // whose states count
   geometry_msgs::PointStamped target_;
   threelink_sim::ThinnedPath target_path_;
 
   std::optional<std::uint32_t> shown_waypoint_;         // of this episode
-  std::optional<threelink_msgs::Recording> recording_;  // the recorder's last word
+  threelink_sim::Peer recorder_;                        // whose words count
+  bool recorder_ready_ = false;                         // it has been heard
+  std::optional<threelink_msgs::Recording> recording_;  // its word on this episode
   threelink_sim::DirectQueue direct_queue_;
   ros::Publisher target_publisher_, episode_publisher_, path_publisher_, waypoint_publisher_;
   ros::ServiceClient reset_;

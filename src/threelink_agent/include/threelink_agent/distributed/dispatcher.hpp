@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -20,15 +21,17 @@ enum class Verdict {
   kLate,         // of an update that is done, or of a process of the learner that is gone
   kDouble,       // all of it had come already
   kGivenBack,    // the worker could not play them now
+  kStranger,     // another node sent it than the worker whose it claims to be
   kNotLeased,    // no such lease was given to that worker
   kWrongPolicy,  // played with another policy than this update's
   kMalformed,    // other episodes, sizes or shapes than leased
   kBadChecksum,
   kNotFinite,
+  kOtherBits,  // played here, an episode of it gave other numbers
 };
-constexpr int kVerdicts = 9;
+constexpr int kVerdicts = 11;
 const char* to_string(Verdict verdict);  // "accepted", "late", "double", ..
-// Whether the worker is to blame.
+// Whether it is refused for what it is.
 constexpr bool is_fault(Verdict verdict) { return verdict > Verdict::kGivenBack; }
 
 struct DispatcherSettings {
@@ -37,6 +40,9 @@ struct DispatcherSettings {
   // fast (WorkerRoster::patience).
   std::chrono::nanoseconds lease_time = std::chrono::seconds(60);
   int lease_episodes = 256;  // of a lease, at most
+  // Episodes of each batch, drawn by lot, that are played once more before it is taken. 0: none, as
+  // for robots, whose episodes nobody else could play.
+  int replays = 1;
 };
 
 struct Update {
@@ -59,16 +65,18 @@ class Dispatcher {
 
   explicit Dispatcher(const DispatcherSettings& settings);
 
-  // To be called for the next update; all else may happen at any time, also before it.
-  void open(const Update& update, Rollout&& empty);
+  // To be called for the next update; all else may happen at any time, also before it. `play` is
+  // how its episodes are played, for replays.
+  void open(const Update& update, Rollout&& empty, const std::optional<Play>& play = {});
   bool complete() const { return rollout_ && book_.complete(); }
   // The rollout, once it is complete. Until the next open() no lease is given.
   Rollout take();
 
   void hear(const WorkerStatus& status, Time now);
   void connect(const std::string& name) { roster_.connect(name); }
-  void disconnect(const std::string& name);
-  Verdict deliver(const EpisodeBatch& batch, Time now);
+  void disconnect(const std::string& name, Time now);
+  // publisher: the node that sent it.
+  Verdict deliver(const EpisodeBatch& batch, const std::string& publisher, Time now);
 
   // What is to be sent now; to be called after each of the above, and at least once a second.
   struct Sending {
@@ -83,19 +91,23 @@ class Dispatcher {
   int episodes_in() const { return book_.in(); }
   std::uint64_t leases_given() const { return leases_given_; }
   std::uint64_t leases_lost() const { return leases_lost_; }
+  std::uint64_t statuses_refused() const { return statuses_refused_; }
   std::uint64_t batches(Verdict verdict) const { return batches_[static_cast<int>(verdict)]; }
 
  private:
-  Verdict judge(const EpisodeBatch& batch) const;
-  void lose(const std::vector<Lease>& leases);
+  Verdict judge(const EpisodeBatch& batch, const std::string& publisher);
+  bool replays_differ(const EpisodeBatch& batch);
+  void lose(const std::vector<Lease>& leases, Time now);
 
   DispatcherSettings settings_;
   WorkerRoster roster_;
   LeaseBook book_;
   Update update_{};
   std::optional<Rollout> rollout_;  // until it is taken
-  std::vector<Refusal> refusals_;   // to be sent
-  std::uint64_t leases_given_ = 0, leases_lost_ = 0;
+  std::optional<Play> play_;        // of its episodes
+  std::mt19937 lots_{std::random_device()()};
+  std::vector<Refusal> refusals_;  // to be sent
+  std::uint64_t leases_given_ = 0, leases_lost_ = 0, statuses_refused_ = 0;
   std::array<std::uint64_t, kVerdicts> batches_{};
 };
 

@@ -54,8 +54,10 @@ class LiveEpisode {
   std::vector<double> rates_;
 };
 
-// In which number episode i of the rollout differs from the one that collect() plays, as "reward 3
-// is .., and should be .."; empty if they are the same to the bit.
-std::string difference_from_collect(const Play& play, const Rollout& rollout, int i);
+// In which number episode i of a Rollout or an EpisodeBatch differs from the one that collect()
+// plays, as "reward 3 is .., and should be .."; empty if they are the same to the bit. The first
+// episode has the number play.first_episode.
+template <class Episodes>
+std::string difference_from_collect(const Play& play, const Episodes& episodes, int i);
 
 }  // namespace threelink_agent
