@@ -302,7 +302,9 @@ void TaskPlayer::on_recording(const Event<Recording>& event) {
   }
   recorder_.is(event.getPublisherName());
   recorder_ready_ = true;
-  if (message.episode == episode_.episode && message.state != Recording::READY)
+  // Episode 0: it cannot record any.
+  if ((message.episode == episode_.episode || message.episode == 0) &&
+      message.state != Recording::READY)
     recording_ = message;
 }
 
