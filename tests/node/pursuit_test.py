@@ -29,8 +29,8 @@ from threelink_msgs.msg import Episode, SwimmerState
 from waiting import wait
 
 LAUNCH = os.path.join(os.path.dirname(os.path.realpath(__file__)), "../../scripts/launch.py")
-POLICY = os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
-                      "config/policies/homing.safetensors")
+POLICY = os.path.realpath(os.path.join(rospkg.RosPack().get_path("threelink_tasks"),
+                                       "config/policies/homing.safetensors"))
 NAMESPACE = "/threelink/"
 LOOP = ("state", "target", "observation", "hinge_rates")
 
