@@ -36,6 +36,7 @@ WRONG = [
     ("train", {"out": "a", "seed": "x"}, "seed:=x: must be a whole number"),
     ("train", {"out": "a", "workers": "many"}, "workers:=many: must be a whole number, 0 .. 100"),
     ("train", {"out": "a", "workers": "101"}, "workers:=101: must be a whole number, 0 .. 100"),
+    ("train", {"out": "a", "replay": "some"}, "replay:=some: must be a whole number"),
     ("train", {"out": "a", "resume": "again"}, "resume:=again: must be true or false"),
     ("train", {"out": "a", "rviz": "true"}, "rviz:=true needs watch:=true"),
     ("workers", {"threads": "99999999999"}, "threads:=99999999999: must be a whole number"),
