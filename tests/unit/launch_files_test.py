@@ -131,7 +131,8 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual(value, {
             "/threelink/learner/config": os.path.realpath("c.yaml"), "/threelink/learner/seed": 0,
             "/threelink/learner/out": os.path.realpath("runs/a"), "/threelink/learner/episodes": 80,
-            "/threelink/learner/threads": 2, "/threelink/learner/resume": True})
+            "/threelink/learner/threads": 2, "/threelink/learner/resume": True,
+            "/threelink/learner/replay": 1})
         self.assertEqual({node.name for node in config.nodes},
                          {"learner", "worker_1", "worker_2", "worker_3"})
         config = load(path, out="/b", workers="0")
