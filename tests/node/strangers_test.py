@@ -55,7 +55,7 @@ class TrainingTest(TrainingTestCase):
         self.assertNotIn("\x07", status.text())
 
     def test_invented_workers_do_not_slow_the_learner_or_its_end(self):
-        worker = self.worker("worker_1", step_cost=100)
+        worker = self.worker("worker_1", step_cost=500)
         learner = self.learner()
         self.wait_for_update(2)
         names = rospy.Publisher("/threelink/workers", WorkerStatus, queue_size=10000)
