@@ -8,6 +8,7 @@
 #include <ros/console.h>
 
 #include "threelink_sim/excerpt.hpp"
+#include "threelink_sim/node/graph.hpp"
 #include "threelink_sim/node/topics.hpp"
 
 namespace threelink_agent {
@@ -43,6 +44,7 @@ Agent::Agent(Policy policy, const std::string& source, const AgentConfig& config
       other_swimmer_(diagnostics_.refusals("observation refused: of another swimmer")),
       wrong_kind_(diagnostics_.refusals("observation refused: wrong kind")),
       wrong_frame_(diagnostics_.refusals("observation refused: wrong frame")),
+      strange_(diagnostics_.refusals("observation refused: another node")),
       wrong_length_(diagnostics_.refusals("observation refused: wrong length")),
       out_of_range_(diagnostics_.refusals("observation refused: out of range")),
       refused_policies_(diagnostics_.refusals("policies refused")),
@@ -68,13 +70,33 @@ Agent::Agent(Policy policy, const std::string& source, const AgentConfig& config
         node_.createSteadyTimer(ros::WallDuration(0.1), [this](const ros::SteadyTimerEvent&) {
           if (const auto weights = std::exchange(newest_, nullptr)) load(*weights);
         });
+  look_for_the_simulator();
+  simulator_timer_ = node_.createSteadyTimer(
+      ros::WallDuration(0.5), [this](const ros::SteadyTimerEvent&) { look_for_the_simulator(); });
   ROS_INFO("policy %s from %s", policy_.id().c_str(), source_.c_str());
+}
+
+// The node that serves `reset`, if it publishes observations, too: again whenever it is silent.
+void Agent::look_for_the_simulator() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (std::exchange(heard_, false) && !simulator_.name().empty()) return;
+  }
+  const std::string found = threelink_sim::node_behind(node_.resolveName(topics::kReset),
+                                                       node_.resolveName(topics::kObservation));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  simulator_.expect(found);
 }
 
 void Agent::on_observation(const ros::MessageEvent<const threelink_msgs::Observation>& event) {
   const auto begin = std::chrono::steady_clock::now();
   const threelink_msgs::Observation& observation = *event.getMessage();
   std::lock_guard<std::mutex> lock(mutex_);
+  if (!simulator_.may_be(event.getPublisherName())) {
+    ++strange_;
+    return;
+  }
+  heard_ = true;
   if (next_ && observation.episode != rates_.episode) {
     put_in_use(std::move(next_->policy), next_->source);
     next_.reset();

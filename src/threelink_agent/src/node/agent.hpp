@@ -50,6 +50,7 @@ class Agent {
   template <class Load>
   bool replace(const std::string& source, Load load, std::string& status);
   void put_in_use(Policy policy, const std::string& source);
+  void look_for_the_simulator();
   void report(Diagnostics::Status& status, double seconds);
 
   // Observations are answered in roscpp's network thread (see direct_queue.hpp), all else in the
@@ -69,6 +70,8 @@ class Agent {
 
   threelink_msgs::HingeRates rates_;  // filled anew for each observation
   std::uint64_t answers_ = 0;         // since the last report
+  threelink_sim::Peer simulator_;     // whose observations count; any node's until it is known
+  bool heard_ = false;                // the simulator, since it was looked for
   Latency latency_;                   // likewise, from callback to published
 
   // A training publishes many policies a second: one that follows looks at the newest, at times.
@@ -80,6 +83,7 @@ class Agent {
   Diagnostics::Counter& other_swimmer_;
   Diagnostics::Counter& wrong_kind_;
   Diagnostics::Counter& wrong_frame_;
+  Diagnostics::Counter& strange_;
   Diagnostics::Counter& wrong_length_;
   Diagnostics::Counter& out_of_range_;
   Diagnostics::Counter& refused_policies_;
@@ -87,7 +91,7 @@ class Agent {
   ros::Publisher rates_publisher_;
   ros::Subscriber observation_subscriber_, policy_subscriber_;
   ros::ServiceServer load_server_;
-  ros::SteadyTimer follow_timer_;
+  ros::SteadyTimer follow_timer_, simulator_timer_;
 };
 
 }  // namespace threelink_agent

@@ -169,17 +169,15 @@ threelink_msgs::SwimmerState LiveLoop::reset(const threelink_sim::SwimmerState& 
 
 // The node that serves `reset` speaks on the topics that it publishes; on others whoever is first.
 void LiveLoop::expect_peers() {
-  const auto servers = threelink_sim::providers_of(node_.resolveName(topics::kReset));
-  const auto expect = [&](threelink_sim::Peer& peer, const char* topic) {
-    peer.expect("");
-    if (servers.size() != 1) return;
-    const auto publishers = threelink_sim::publishers_of(node_.resolveName(topic));
-    if (std::count(publishers.begin(), publishers.end(), servers[0]) > 0) peer.expect(servers[0]);
+  const auto speaker = [this](const char* topic) {
+    return threelink_sim::node_behind(node_.resolveName(topics::kReset), node_.resolveName(topic));
   };
+  const std::string state = speaker(topics::kState), observation = speaker(topics::kObservation),
+                    abort = speaker(topics::kAbort);
   const std::lock_guard<std::mutex> lock(mutex_);
-  expect(state_peer_, topics::kState);
-  expect(observation_peer_, topics::kObservation);
-  expect(abort_peer_, topics::kAbort);
+  state_peer_.expect(state);
+  observation_peer_.expect(observation);
+  abort_peer_.expect(abort);
 }
 
 void LiveLoop::take_start(const threelink_sim::SwimmerState& demanded,

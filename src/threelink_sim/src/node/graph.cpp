@@ -1,5 +1,6 @@
 #include "threelink_sim/node/graph.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstring>
@@ -113,6 +114,13 @@ std::vector<std::string> publishers_of(const std::string& topic) {
 
 std::vector<std::string> providers_of(const std::string& service) {
   return nodes_of(kServices, service);
+}
+
+std::string node_behind(const std::string& service, const std::string& topic) {
+  const std::vector<std::string> servers = providers_of(service);
+  if (servers.size() != 1) return "";
+  const std::vector<std::string> publishers = publishers_of(topic);
+  return std::count(publishers.begin(), publishers.end(), servers[0]) > 0 ? servers[0] : "";
 }
 
 TopicType type_at_publisher(const std::string& node, const std::string& topic) try {

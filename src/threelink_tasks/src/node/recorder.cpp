@@ -26,6 +26,7 @@ namespace threelink_tasks {
 namespace {
 
 namespace fs = std::filesystem;
+namespace message_size = threelink_sim::message_size;
 namespace topics = threelink_sim::topics;
 using namespace std::chrono_literals;
 using diagnostic_msgs::DiagnosticStatus;
@@ -38,6 +39,7 @@ constexpr char kStaticTransforms[] = "/tf_static";
 
 constexpr std::uint32_t kQueue = 100000;   // messages a topic: some seconds of a slow disk
 constexpr std::size_t kMaxEarly = 20000;   // messages that wait for an episode to start
+constexpr std::size_t kLoop = 1 << 16;     // [bytes] of a message that comes with each step
 constexpr auto kNap = 2ms;                 // between looks at what has arrived
 constexpr std::size_t kMaxLatched = 1000;  // messages that are repeated in each bag
 constexpr auto kSettled = 100ms;           // connections are up for good after this
@@ -70,29 +72,33 @@ Recorder::Recorder(const RecorderParameters& parameters)
   // Waking up for each message takes more of the machine than recording it, and the machine is busy
   // with the loop that is recorded: the network thread naps as run() does.
   ros::PollManager::instance()->addPollThreadListener([] { std::this_thread::sleep_for(kNap); });
-  subscribers_.push_back(node_.subscribe(topics::kState, kQueue, &Recorder::on_state, this));
+  hear<threelink_msgs::SwimmerState>(topics::kState, kLoop, subscribers_,
+                                     [this](const auto& event) { on_state(event); });
   listen<geometry_msgs::PointStamped>(topics::kTarget);
   listen<threelink_msgs::Observation>(topics::kObservation);
   listen<threelink_msgs::HingeRates>(topics::kHingeRates);
   listen<sensor_msgs::JointState>(topics::kJointStates);
   listen<geometry_msgs::PoseStamped>(topics::kPose);
   listen<tf2_msgs::TFMessage>(kTransforms);
-  subscribers_.push_back(node_.subscribe(topics::kEpisode, kQueue, &Recorder::on_episode, this));
-  subscribers_.push_back(node_.subscribe(topics::kAbort, kQueue, &Recorder::on_abort, this));
+  hear<Episode>(topics::kEpisode, message_size::kSmall, subscribers_,
+                [this](const auto& event) { on_episode(event); });
+  hear<threelink_msgs::EpisodeAbort>(topics::kAbort, kLoop, subscribers_,
+                                     [this](const auto& event) { on_abort(event); });
 
-  latched_subscribers_.push_back(node_.subscribe<tf2_msgs::TFMessage>(
-      kStaticTransforms, kQueue, [this](const tf2_msgs::TFMessageConstPtr& message) {
+  hear<tf2_msgs::TFMessage>(
+      kStaticTransforms, message_size::kSmall, latched_subscribers_, [this](const auto& event) {
+        const tf2_msgs::TFMessageConstPtr message = event.getConstMessage();
         if (message->transforms.empty()) return;
         remember(kStaticTransforms, message->transforms[0].child_frame_id, message);
-      }));
-  latched_subscribers_.push_back(node_.subscribe<visualization_msgs::MarkerArray>(
-      topics::kWaypoints, kQueue, [this](const visualization_msgs::MarkerArrayConstPtr& message) {
-        on_message(node_.resolveName(topics::kWaypoints), message);
-      }));
-  latched_subscribers_.push_back(node_.subscribe<threelink_msgs::PolicyWeights>(
-      topics::kPolicy, kQueue, [this](const threelink_msgs::PolicyWeightsConstPtr& message) {
-        remember(node_.resolveName(topics::kPolicy), "", message);
-      }));
+      });
+  hear<visualization_msgs::MarkerArray>(
+      topics::kWaypoints, message_size::kFile, latched_subscribers_, [this](const auto& event) {
+        on_message(node_.resolveName(topics::kWaypoints), event.getConstMessage());
+      });
+  hear<threelink_msgs::PolicyWeights>(
+      topics::kPolicy, message_size::kFile, latched_subscribers_, [this](const auto& event) {
+        remember(node_.resolveName(topics::kPolicy), "", event.getConstMessage());
+      });
 }
 
 int Recorder::run() {
@@ -112,11 +118,19 @@ int Recorder::run() {
 // --- Incoming messages ---------------------------------------------------------------------------
 
 template <class Message>
+void Recorder::hear(const std::string& topic, std::size_t most_bytes,
+                    std::vector<ros::Subscriber>& subscribers,
+                    const std::function<void(const Event<Message>&)>& heard) {
+  subscribers.push_back(threelink_sim::subscribe<Message>(node_, topic, kQueue, most_bytes,
+                                                          &diagnostics_, heard, {}));
+}
+
+template <class Message>
 void Recorder::listen(const std::string& topic) {
   const std::string name = node_.resolveName(topic);
-  const boost::function<void(const boost::shared_ptr<Message const>&)> callback =
-      [this, name](const boost::shared_ptr<Message const>& message) { on_message(name, message); };
-  subscribers_.push_back(node_.subscribe<Message>(topic, kQueue, callback));
+  hear<Message>(topic, kLoop, subscribers_, [this, name](const Event<Message>& event) {
+    on_message(name, event.getConstMessage());
+  });
 }
 
 void Recorder::keep_early(Early message) {

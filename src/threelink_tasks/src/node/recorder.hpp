@@ -29,6 +29,7 @@
 #include "child_process.hpp"
 #include "episode_recording.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
+#include "threelink_sim/node/intake.hpp"
 
 namespace threelink_tasks {
 
@@ -74,6 +75,10 @@ class Recorder {
   };
 
   // Incoming messages.
+  template <class Message>
+  void hear(const std::string& topic, std::size_t most_bytes,
+            std::vector<ros::Subscriber>& subscribers,
+            const std::function<void(const Event<Message>&)>& heard);
   template <class Message>
   void listen(const std::string& topic);
   template <class Message>

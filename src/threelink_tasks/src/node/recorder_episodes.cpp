@@ -78,6 +78,10 @@ void Recorder::on_start(const Event<Episode>& event) {
     return other.episode == start->episode && other.header.stamp == start->header.stamp;
   };
   if (last_start_ && is_same(*last_start_)) return;  // a repetition
+  if (start->episode == 0) {                         // they count from 1
+    ++counters_.messages_refused;
+    return;
+  }
   candidates_.push_back({start, nullptr, event.getPublisherName(), refusal(*start), Clock::now()});
   if (const std::string& reason = candidates_.back().refusal; !reason.empty()) {
     ++counters_.episodes_refused;

@@ -69,6 +69,9 @@ TaskPlayer::TaskPlayer(const PlayerConfig& config)
       threelink_sim::subscribe<Recording>(node_, topics::kRecording, 10, kSmall, &diagnostics_,
                                           [this](const auto& event) { on_recording(event); });
   target_.header.frame_id = threelink_sim::frames::kWorld;
+  // The launch files' name for the recorder goes before others, whoever speaks first.
+  const std::string usual = node_.resolveName("recorder");
+  if (ros::param::has(usual)) recorder_.expect(usual);
 }
 
 bool TaskPlayer::wait_for(double seconds, const std::function<bool()>& condition) {
@@ -184,7 +187,8 @@ bool TaskPlayer::start_episode() {
   if (!reset.response.success)
     throw std::runtime_error("the simulator refused to start: " +
                              threelink_sim::excerpt(reset.response.status, 200));
-  const std::string simulator = simulators_name();
+  const std::string simulator = threelink_sim::node_behind(node_.resolveName(topics::kReset),
+                                                           node_.resolveName(topics::kState));
   const threelink_msgs::SwimmerState& state = reset.response.state;
   if (!threelink_sim::well_formed(state))
     throw std::runtime_error("the simulator started from a state that is none");
@@ -212,15 +216,6 @@ bool TaskPlayer::start_episode() {
   recording_.reset();
   answer(state);
   return true;
-}
-
-// The node that serves `reset`, if it publishes the states, too; else empty.
-std::string TaskPlayer::simulators_name() const {
-  const auto providers = threelink_sim::providers_of(node_.resolveName(topics::kReset));
-  const auto publishers = threelink_sim::publishers_of(node_.resolveName(topics::kState));
-  const bool one =
-      providers.size() == 1 && std::count(publishers.begin(), publishers.end(), providers[0]) > 0;
-  return one ? providers[0] : "";
 }
 
 void TaskPlayer::on_state(const Event<threelink_msgs::SwimmerState>& event) {
@@ -291,11 +286,6 @@ void TaskPlayer::on_abort(const Event<threelink_msgs::EpisodeAbort>& event) {
 
 void TaskPlayer::on_recording(const Event<Recording>& event) {
   const Recording& message = *event.getConstMessage();
-  if (recorder_.name().empty()) {  // the launch files' name for it goes before others
-    const std::string usual = node_.resolveName("recorder");
-    const auto publishers = threelink_sim::publishers_of(recording_subscriber_.getTopic());
-    if (std::count(publishers.begin(), publishers.end(), usual) > 0) recorder_.expect(usual);
-  }
   if (!recorder_.may_be(event.getPublisherName())) {
     ++strange_recordings_;
     return;

@@ -51,7 +51,6 @@ class TaskPlayer {
   void wait_until_ready();
   // False if the node has to end before it starts.
   bool start_episode();
-  std::string simulators_name() const;
   // Ends the episode if the node has to end, the simulator is silent or somebody wants it ended;
   // false once it is over.
   bool watch(const Watch& watch);

@@ -10,6 +10,10 @@ namespace threelink_sim {
 std::vector<std::string> publishers_of(const std::string& topic);
 std::vector<std::string> providers_of(const std::string& service);
 
+// The one node that offers a service and publishes a topic as well; empty if there is none. It is
+// the simulator, or a robot, where the service is `reset`: others on the topic are strangers.
+std::string node_behind(const std::string& service, const std::string& topic);
+
 // What a publisher says of its topic when one connects to it.
 struct TopicType {
   std::string datatype;  // empty: it did not say
