@@ -29,7 +29,7 @@ class ReplayTest : public testing::Test {
     });
   }
 
-  const EnvironmentConfig config_;
+  const EnvironmentConfig config_{};
   const threelink_agent::Policy policy_ = threelink_tests::random_policy(1);
   std::vector<EpisodeStep> steps_;
   std::vector<double> rewards_, work_;

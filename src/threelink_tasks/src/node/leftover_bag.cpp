@@ -92,9 +92,10 @@ void read_messages(const fs::path& path, const Take& take) {
       // The stream writes nothing.
       auto* content = reinterpret_cast<std::uint8_t*>(const_cast<char*>(data->data()));
       ros::serialization::IStream stream(content, static_cast<std::uint32_t>(data->size()));
-      Connection& connection = connections[*id];
-      connection.message.read(stream);
-      take(connection.topic, ros::Time(seconds, nanoseconds), connection.message);
+      const Connection& connection = connections[*id];
+      topic_tools::ShapeShifter message = connection.message;
+      if (!data->empty()) message.read(stream);  // which would copy nothing to a null pointer
+      take(connection.topic, ros::Time(seconds, nanoseconds), message);
     }
   }
 }
@@ -168,6 +169,10 @@ std::optional<IndexRow> recover_leftover(const fs::path& leftover) {
     if (!is_listed(row.bag)) append_to_index(folder, row);
     bag.rename();
   } catch (const std::exception&) {
+    try {
+      bag.close();  // it was perhaps the leftover that was no bag, and then this one need not leak
+    } catch (const std::exception&) {
+    }
     std::error_code ignored;
     fs::remove(bag.active_path(), ignored);
     throw;
