@@ -84,7 +84,7 @@ class StrokeTest(unittest.TestCase):
         self.assertAlmostEqual(states[-1].centroid[0], 3 * 0.0637, delta=0.01)
 
     def test_refusals(self):
-        self.refused("/no/such/file: cannot be read", "_file:=/no/such/file")
+        self.refused("/no/such/file: cannot open", "_file:=/no/such/file")
         self.refused("amplitude = 3", "_amplitude:=3.0")
         with open(STROKE) as file:
             stroke = json.load(file)

@@ -121,7 +121,7 @@ TEST(Tasks, RefuseBadParametersByName) {
       {"waypoints", "{points: []}", "p/points = a list: must hold at least one"},
       {"waypoints", "{points: [[1]]}", "entry 0 must be a pair [x, y]"},
       {"waypoints", "{points: [[1, a]]}", "must be a number"},
-      {"waypoints", "{points: /no/such/file}", "/no/such/file: cannot be read"},
+      {"waypoints", "{points: /no/such/file}", "/no/such/file: cannot open"},
       {"waypoints", "{points: [[1, 2]], radius: 1}", "p/radius: no such parameter"},
       {"waypoints", "{random_star: true, radius: 1}", "p/radius: no such parameter"},
       {"path", "{points: [[1, 1], [1, 1]]}", "must hold two different ones at least"},
