@@ -165,6 +165,7 @@ class TrainingTest(TrainingTestCase):
         self.assertTrue(wait(lambda: "/threelink/crashing: set aside"
                              in self.diagnostics.get("message", "")))
         self.assertEqual(self.updates(), 0)
+        crashing.kill()  # it would be let in again, and hold what it never plays
         self.worker("worker_1")
         self.finish(learner)
         self.assertEqual(self.policy_of(), expected)
