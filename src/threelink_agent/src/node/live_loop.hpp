@@ -28,10 +28,10 @@
 namespace threelink_agent {
 
 struct LiveLoopConfig {
-  std::string simulator;   // name of the node whose parameters say what swimmer there is
-  bool exact;              // episodes must be those of collect(), to the bit
-  double start_tolerance;  // [rad] of each hinge angle at the start, if not exact
-  double reset_timeout;    // [s] wall time, for the start state to be taken
+  std::string simulator;       // name of the node whose parameters say what swimmer there is
+  bool exact = true;           // episodes must be those of collect(), to the bit
+  double start_tolerance = 0;  // [rad] of each hinge angle at the start, if not exact
+  double reset_timeout = 0;    // [s] wall time, for the start state to be taken
 };
 
 class LiveLoop : public RolloutSource {

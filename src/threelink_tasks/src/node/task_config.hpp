@@ -33,12 +33,12 @@ struct Assignment {
 };
 
 struct PlayerConfig {
-  int episodes;          // 0: those that clients of the action ask for
-  bool record;           // wait for a recorder
-  double start_timeout;  // [s] wall time, for what has to be there before an episode can start
+  int episodes = 1;          // 0: those that clients of the action ask for
+  bool record = true;        // wait for a recorder
+  double start_timeout = 0;  // [s] wall time, for what has to be there before an episode can start
   threelink_sim::SimulatorConfig simulator;  // as the simulator's own parameters say
   std::string surroundings;                  // simulator's and agent's parameters, as YAML
-  bool allow_other_swimmer;                  // than the one that a policy was trained for
+  bool allow_other_swimmer = false;          // than the one that a policy was trained for
 
   // Throws threelink_agent::PolicyError if the simulator's swimmer is another one, and may not be.
   void require_swimmer_of(const PolicyInfo& policy) const;
