@@ -42,8 +42,8 @@ TrainingServer::TrainingServer(int threads, bool plot, const RemoteRollouts::Set
   ros::NodeHandle node;
   node.setCallbackQueue(&queue_);  // so that a goal is answered while a training runs
   server_.emplace(
-      node, threelink_sim::topics::kTrain, [this](Goal goal) { on_goal(goal); },
-      [this](Goal goal) { on_cancel(goal); }, false);
+      node, threelink_sim::topics::kTrain, [this](const Goal& goal) { on_goal(goal); },
+      [this](const Goal& goal) { on_cancel(goal); }, false);
   server_->start();
   spinner_.start();
 }
@@ -66,7 +66,7 @@ void TrainingServer::on_goal(Goal goal) {
   changed_.notify_one();
 }
 
-void TrainingServer::on_cancel(Goal goal) {
+void TrainingServer::on_cancel(const Goal& goal) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (goal_ && *goal_ == goal) cancelled_ = true;
 }

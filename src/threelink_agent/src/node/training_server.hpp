@@ -36,7 +36,7 @@ class TrainingServer {
   using Diagnostics = threelink_sim::Diagnostics;
 
   void on_goal(Goal goal);
-  void on_cancel(Goal goal);
+  void on_cancel(const Goal& goal);
   void report(Diagnostics::Status& status);
 
   std::optional<Goal> next();  // waits a while for it

@@ -40,11 +40,11 @@ class Lockstep {
   using Duration = std::chrono::steady_clock::duration;
 
   struct Config {
-    std::size_t hinges;     // N-1
-    std::uint64_t tick;     // [ns] simulation time of a step, > 0
-    Duration period;        // wall time of a step; 0: as fast as possible
-    Duration peer_timeout;  // silence that ends an episode
-    Duration watchdog;      // age of an unanswered observation that trips the watchdog, >= period
+    std::size_t hinges = 0;   // N-1
+    std::uint64_t tick = 0;   // [ns] simulation time of a step, > 0
+    Duration period{};        // wall time of a step; 0: as fast as possible
+    Duration peer_timeout{};  // silence that ends an episode
+    Duration watchdog{};      // age of an unanswered observation that trips the watchdog, >= period
   };
 
   enum class Phase { kIdle, kAwaitTarget, kAwaitRates, kAwaitPace };

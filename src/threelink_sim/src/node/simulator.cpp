@@ -104,7 +104,7 @@ int Simulator::run() {
   // To notice the end of the node, and deadlines that the network thread has set.
   constexpr auto kPatience = std::chrono::milliseconds(20);
   while (running()) {
-    std::chrono::duration<double> wait;
+    std::chrono::duration<double> wait{};
     {
       std::lock_guard<std::mutex> lock(mutex_);
       act();

@@ -46,7 +46,7 @@ parameters     ~file [none], as optimal_stroke writes it (JSON)  ~amplitude [pi/
 struct Config {
   Stroke stroke;
   geometry_msgs::Point target;  // [m]
-  double dt;                    // [T0] of the simulator
+  double dt = 0;                // [T0] of the simulator
 };
 
 Config read_config(Parameters& parameters) {

@@ -95,7 +95,7 @@ BagFile::~BagFile() { let_go(); }
 void BagFile::let_go() {
   // rosbag::Bag's destructor writes the index and ends the program if it cannot; a bag that nobody
   // closed is one on which writing failed, and is rather leaked.
-  if (bag_->isOpen()) bag_.release();
+  if (bag_->isOpen()) static_cast<void>(bag_.release());
   ::close(lock_);
 }
 

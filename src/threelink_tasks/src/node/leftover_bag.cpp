@@ -120,7 +120,7 @@ std::vector<fs::path> leftover_bags(const fs::path& folder) {
   std::vector<fs::path> leftovers;
   std::error_code unreadable;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
-    const fs::path path = entry.path();
+    const fs::path& path = entry.path();
     if (path.extension() != kActiveSuffix || !is_bag_name(path.stem().string())) continue;
     // What an interrupted recovery has written is written anew from its leftover.
     const std::string name = path.stem().stem();

@@ -13,10 +13,10 @@ namespace threelink_sim {
 struct SimulatorConfig {
   EnvironmentConfig environment;
   Scales scales;
-  double realtime_factor;   // 0: as fast as possible
-  double peer_timeout;      // [s] wall time
-  double watchdog_periods;  // [action periods]
-  double display_rate;      // [1/s] wall time
+  double realtime_factor = 0;   // 0: as fast as possible
+  double peer_timeout = 0;      // [s] wall time
+  double watchdog_periods = 0;  // [action periods]
+  double display_rate = 0;      // [1/s] wall time
 
   // Length of an action step: simulation time [s], and wall time [s], 0 without a pace.
   double step_time() const { return environment.dt * scales.time; }
