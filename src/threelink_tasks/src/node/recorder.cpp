@@ -87,7 +87,7 @@ Recorder::Recorder(const RecorderParameters& parameters)
 
   hear<tf2_msgs::TFMessage>(
       kStaticTransforms, message_size::kSmall, latched_subscribers_, [this](const auto& event) {
-        const tf2_msgs::TFMessageConstPtr message = event.getConstMessage();
+        const tf2_msgs::TFMessageConstPtr& message = event.getConstMessage();
         if (message->transforms.empty()) return;
         remember(kStaticTransforms, message->transforms[0].child_frame_id, message);
       });
@@ -160,7 +160,7 @@ void Recorder::on_message(const std::string& topic,
 }
 
 void Recorder::on_state(const Event<SwimmerState>& event) {
-  const threelink_msgs::SwimmerStateConstPtr state = event.getConstMessage();
+  const threelink_msgs::SwimmerStateConstPtr& state = event.getConstMessage();
   const std::string topic = node_.resolveName(topics::kState);
   if (open_ && state->episode == open_->episode() && !is_start(*state))
     return open_->record_state(topic, state);

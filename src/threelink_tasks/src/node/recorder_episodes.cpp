@@ -57,7 +57,7 @@ bool is_end_of(const Episode& end, const Episode& start) {
 }  // namespace
 
 void Recorder::on_episode(const Event<Episode>& event) {
-  const threelink_msgs::EpisodeConstPtr message = event.getConstMessage();
+  const threelink_msgs::EpisodeConstPtr& message = event.getConstMessage();
   if (message->status == Episode::STARTED) return on_start(event);
   if (open_ && message->episode == open_->episode()) {
     if (event.getPublisherName() == task_ && is_end_of(*message, *last_start_)) {
@@ -73,7 +73,7 @@ void Recorder::on_episode(const Event<Episode>& event) {
 }
 
 void Recorder::on_start(const Event<Episode>& event) {
-  const threelink_msgs::EpisodeConstPtr start = event.getConstMessage();
+  const threelink_msgs::EpisodeConstPtr& start = event.getConstMessage();
   const auto is_same = [&](const Episode& other) {
     return other.episode == start->episode && other.header.stamp == start->header.stamp;
   };
@@ -97,7 +97,7 @@ void Recorder::on_start(const Event<Episode>& event) {
 }
 
 void Recorder::on_abort(const Event<threelink_msgs::EpisodeAbort>& event) {
-  const threelink_msgs::EpisodeAbortConstPtr message = event.getConstMessage();
+  const threelink_msgs::EpisodeAbortConstPtr& message = event.getConstMessage();
   if (!open_ || message->episode != open_->episode()) return;
   if (event.getPublisherName() != simulator_) {
     ++counters_.messages_refused;

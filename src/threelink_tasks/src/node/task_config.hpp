@@ -15,8 +15,8 @@ namespace threelink_tasks {
 struct PolicyInfo {
   std::string file;
   std::string sha256;
-  double v_m;    // [L/T0] its speed
-  bool sampled;  // how it is best played: with sampled actions, else with their mean
+  double v_m = 0;        // [L/T0] its speed
+  bool sampled = false;  // how it is best played: with sampled actions, else with their mean
   threelink_sim::EnvironmentConfig swimmer;  // that it was trained for
 
   // Throws threelink_agent::PolicyError.
