@@ -29,19 +29,19 @@ constexpr std::uint32_t kMostPoisonedInARow = 5;
 
 // What one update did.
 struct UpdateReport {
-  std::uint32_t update;    // updates done
-  std::uint32_t episodes;  // episodes done
-  std::uint64_t steps;     // environment steps done
-  double mean_return;      // of the update's episodes, with exploration noise
+  std::uint32_t update = 0;    // updates done
+  std::uint32_t episodes = 0;  // episodes done
+  std::uint64_t steps = 0;     // environment steps done
+  double mean_return = 0;      // of the update's episodes, with exploration noise
   UpdateStatistics statistics;
-  double entropy;  // of the policy that played the episodes, summed over hinges
-  double std;      // [1/T0] of its noise, mean over hinges
+  double entropy = 0;  // of the policy that played the episodes, summed over hinges
+  double std = 0;      // [1/T0] of its noise, mean over hinges
   LearningRates rates;
   // Of the mean action after the update, when it was due; without random starts (trials = 0) where
   // the straight ones showed that this is not the best policy.
   std::optional<Evaluation> evaluation;
-  std::string poison;      // what was not finite in this update; empty if all was well
-  std::uint32_t poisoned;  // updates so far that were thrown away
+  std::string poison;          // what was not finite in this update; empty if all was well
+  std::uint32_t poisoned = 0;  // updates so far that were thrown away
 };
 
 // A policy that was kept, with its score.

@@ -4,15 +4,15 @@
 namespace threelink_agent {
 
 struct LearningRates {
-  double actor;
-  double critic;
+  double actor = 0;
+  double critic = 0;
 };
 
 struct UpdateStatistics {
-  double policy_loss;    // mean over the samples of all epochs
-  double value_loss;     // likewise
-  double kl;             // mean estimate of KL(old || new) in the last epoch
-  double clip_fraction;  // of the samples of the last epoch whose ratio was outside 1 +- epsilon
+  double policy_loss = 0;  // mean over the samples of all epochs
+  double value_loss = 0;   // likewise
+  double kl = 0;           // mean estimate of KL(old || new) in the last epoch
+  double clip_fraction = 0;  // of the last epoch's samples: ratio outside 1 +- epsilon
 };
 
 }  // namespace threelink_agent
