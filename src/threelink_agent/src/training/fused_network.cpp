@@ -107,7 +107,7 @@ void FusedNetwork::descend(const std::vector<Slice>& slices, double learning_rat
 
   ++steps_;
   const auto t = static_cast<double>(steps_);
-  AdamStep step;
+  AdamStep step{};
   step.n = parameters_.size();
   step.parameters = parameters_.data();
   step.mean = mean_.data();

@@ -91,7 +91,8 @@ double median(std::vector<double> values) {
 
 struct Summary {
   int completed = 0;
-  double steps, ratio, final_distance;  // medians: of the completed ones, but the last of all
+  double steps = 0, ratio = 0,
+         final_distance = 0;  // medians: of the completed ones, but the last of all
 };
 
 Summary summarise(const std::vector<Trial>& trials, double dt) {

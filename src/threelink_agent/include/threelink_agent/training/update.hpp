@@ -9,9 +9,9 @@ struct LearningRates {
 };
 
 struct UpdateStatistics {
-  double policy_loss = 0;  // mean over the samples of all epochs
-  double value_loss = 0;   // likewise
-  double kl = 0;           // mean estimate of KL(old || new) in the last epoch
+  double policy_loss = 0;    // mean over the samples of all epochs
+  double value_loss = 0;     // likewise
+  double kl = 0;             // mean estimate of KL(old || new) in the last epoch
   double clip_fraction = 0;  // of the last epoch's samples: ratio outside 1 +- epsilon
 };
 
