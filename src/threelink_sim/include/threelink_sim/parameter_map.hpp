@@ -51,7 +51,7 @@ class ParameterMap {
   std::string text(const std::string& name, std::optional<std::string> fallback = {});
   // One of several words.
   std::string choice(const std::string& name, const std::vector<std::string>& words,
-                     std::optional<std::string> fallback = {});
+                     const std::optional<std::string>& fallback = {});
   // A list of pairs [x, y], each number within the range; or text, which `from_text` turns into
   // such a list, or throws UsageError. A default that is null makes the parameter required.
   Points points(const std::string& name, Range<double> range,

@@ -172,8 +172,8 @@ std::string ParameterMap::text(const std::string& name, std::optional<std::strin
 }
 
 std::string ParameterMap::choice(const std::string& name, const std::vector<std::string>& words,
-                                 std::optional<std::string> fallback) {
-  const std::string word = text(name, fallback);
+                                 const std::optional<std::string>& fallback) {
+  std::string word = text(name, fallback);
   if (std::find(words.begin(), words.end(), word) == words.end())
     refuse(name, fmt::format("must be one of: {}", fmt::join(words, ", ")));
   return word;

@@ -86,7 +86,8 @@ Stroke square_stroke(const Model& model, double low, double high, int pieces) {
         fmt::format("pieces = {}: a square stroke needs a multiple of 4", pieces));
   Stroke stroke;
   stroke.model = model;
-  stroke.dt = (high - low) / (pieces / 4);
+  const int pieces_per_side = pieces / 4;
+  stroke.dt = (high - low) / pieces_per_side;
   const int first = 0, last = model.hinges() - 1;
   stroke.start = HingeVector::Zero(model.hinges());
   stroke.start[first] = stroke.start[last] = low;

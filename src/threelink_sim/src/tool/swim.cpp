@@ -31,7 +31,7 @@ SwimmerState read_start(const Model& model, const std::string& text) {
   if (rows.empty()) throw UsageError("--start: is empty");
   const std::vector<double>& v = rows[0].values;
   const HingeVector alpha = HingeVector::Map(v.data() + 3, model.hinges());
-  const SwimmerState state = state_from_free_end(model, {v[0], v[1]}, v[2], alpha);
+  SwimmerState state = state_from_free_end(model, {v[0], v[1]}, v[2], alpha);
   validate(model, state);
   return state;
 }

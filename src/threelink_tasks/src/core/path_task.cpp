@@ -74,7 +74,7 @@ class PathTask : public BasicTask {
   static Chain read_chain(threelink_sim::ParameterMap& parameters) {
     if (parameters.has("points")) {
       const Points points = parameters.points("points", kPosition, read_point_file);
-      const Chain chain(points.empty() ? Points(1) : points, parameters.flag("closed", false));
+      Chain chain(points.empty() ? Points(1) : points, parameters.flag("closed", false));
       if (points.size() < 2 || !(chain.length() > 0))
         parameters.refuse("points", "must hold two different ones at least");
       return chain;
