@@ -181,6 +181,9 @@ TEST(Yaml, EndsHostileTextsInTime) {
   std::string ladder, bomb = "a0: &a0 [x]\n";
   for (int i = 0; i < 700; ++i) ladder += std::string(i, ' ') + "a:\n";
   EXPECT_NE(yaml_refusal(ladder).find("nested more than 32 deep"), std::string::npos);
+  EXPECT_EQ(yaml_refusal(std::string(250, 'k') + ": 1"), "accepted");
+  EXPECT_EQ(yaml_refusal(std::string(251, 'k') + ": 1"),
+            "line 1, column 1: a key of 251 bytes, at most 250 are allowed");
   for (int i = 1; i < 30; ++i)
     bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" +
             repeated("*a" + std::to_string(i - 1) + ",", 9) + "x]\n";

@@ -88,13 +88,14 @@ void read_messages(const fs::path& path, const Take& take) {
       const auto time = fields.integer<std::uint64_t>("time").value_or(0);
       const auto seconds = static_cast<std::uint32_t>(time);
       const auto nanoseconds = static_cast<std::uint32_t>(time >> 32);
-      if (time == 0 || nanoseconds >= kSecond) continue;  // a damaged one
+      // No recorder writes a message without bytes, and the library cannot.
+      if (time == 0 || nanoseconds >= kSecond || data->empty()) continue;  // a damaged one
       // The stream writes nothing.
       auto* content = reinterpret_cast<std::uint8_t*>(const_cast<char*>(data->data()));
       ros::serialization::IStream stream(content, static_cast<std::uint32_t>(data->size()));
       const Connection& connection = connections[*id];
       topic_tools::ShapeShifter message = connection.message;
-      if (!data->empty()) message.read(stream);  // which would copy nothing to a null pointer
+      message.read(stream);
       take(connection.topic, ros::Time(seconds, nanoseconds), message);
     }
   }
