@@ -85,11 +85,16 @@ lint() {
 
 # --- All of them ---------------------------------------------------------------------------------
 
-check() { # all parts run, whatever comes of the others
+check() { # [--brief]: all parts run, whatever comes of the others
   tally test
-  tally test --sanitize
-  tally fuzz 20
-  tally lint
+  if [[ ${1:-} == --brief ]]; then
+    tally test --sanitize=thread
+    tally fuzz 20
+  else
+    tally test --sanitize
+    tally fuzz 20
+    tally lint
+  fi
   end_tally
 }
 

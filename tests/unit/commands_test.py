@@ -25,7 +25,7 @@ class Arguments(unittest.TestCase):
                 (["build", "x"], "`build` takes no arguments"),
                 (["doctor", "x"], "`doctor` takes no arguments"),
                 (["lint", "x"], "`lint` takes no arguments"),
-                (["check", "x"], "`check` takes no arguments"),
+                (["check", "x"], "`check` takes nothing, or --brief"),
                 (["setup", "x"], "`setup` takes nothing, or rviz"),
                 (["test", "x"], "`test` takes nothing, --sanitize"),
                 (["test", "--sanitize=memory"], "`test` takes nothing, --sanitize"),
@@ -97,7 +97,7 @@ class Fuzzers(unittest.TestCase):
 class Sum(unittest.TestCase):
     """The last line of `check`: the sum of its parts."""
 
-    def check(self, test, lint):
+    def check(self, test, lint, *arguments):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
             parts = root / "threelink"
@@ -105,12 +105,18 @@ class Sum(unittest.TestCase):
                              "fuzz) echo 3 passed, 0 failed ;; esac\n", encoding="utf-8")
             parts.chmod(0o755)
             return run("bash", "-c", "attend() { \"$@\"; }; root=$1; ros_prefix=; "
-                       f"set -euo pipefail; source {ROOT}/scripts/checks.bash; check", "bash", root)
+                       f"set -euo pipefail; source {ROOT}/scripts/checks.bash; check \"${@:2}\"", "bash", root,
+                       *arguments)
 
     def test_adds_up(self):
         ended = self.check("echo 10 passed, 0 failed, 2 skipped", "echo 4 passed, 0 failed")
         self.assertEqual(ended.returncode, 0, ended.stderr)
         self.assertEqual(ended.stdout.splitlines()[-1], "27 passed, 0 failed, 4 skipped")
+
+    def test_the_brief_one_leaves_linters_out(self):
+        ended = self.check("echo 10 passed, 0 failed, 2 skipped", "exit 1", "--brief")
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertEqual(ended.stdout.splitlines()[-1], "23 passed, 0 failed, 4 skipped")
 
     def test_a_part_that_fails_fails_all_and_the_others_run(self):
         ended = self.check("echo 9 passed, 1 failed; exit 1", "echo 4 passed, 0 failed")
