@@ -1,13 +1,14 @@
 #!/usr/bin/python3
-"""Ctrl-C at random moments of ./threelink pursuit: the exit status, the seconds until it is back, and what
-is left behind.
+"""SIGINT, as by Ctrl-C, and SIGTERM in turn at random moments of ./threelink pursuit: the exit status, the
+seconds until it is back, and what is left behind.
 
     tests/benchmark/signal_benchmark.py [--runs 30] [--load N] [--seed 0]
 
---load runs N processes beside it that use all of a core each. Exit status: 0 if every run ended with 130,
-within 10 s, without a traceback, and left no process behind.
+--load runs N processes beside it that use all of a core each. Exit status: 0 if every run ended with 130 or
+143, within 10 s, without a traceback, and left no process and no open bag behind.
 """
 import argparse
+import glob
 import os
 import random
 import signal
@@ -39,8 +40,8 @@ def processes_with(marker):
     return found
 
 
-def run(number, delay, folder):
-    """(status, seconds, whether there was a traceback, processes left)"""
+def run(number, sent, delay, folder):
+    """(status, seconds, whether there was a traceback, processes and open bags left)"""
     marker = "THREELINK_SIGNAL_RUN=%d_%d" % (os.getpid(), number)
     name, _, value = marker.partition("=")
     environment = {key: text for key, text in os.environ.items() if not key.startswith("ROS_M")}
@@ -50,7 +51,10 @@ def run(number, delay, folder):
              "bag_dir:=" + folder], env=dict(environment, **{name: value}), stdout=output,
             stderr=subprocess.STDOUT, start_new_session=True)
         time.sleep(delay)
-        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        if sent == signal.SIGINT:
+            os.killpg(process.pid, sent)  # as a terminal does
+        else:
+            process.send_signal(sent)  # as a service manager does
         begin = time.monotonic()
         try:
             status = process.wait(60)
@@ -60,7 +64,7 @@ def run(number, delay, folder):
         seconds = time.monotonic() - begin
         output.seek(0)
         traceback = "Traceback" in output.read()
-    left = processes_with(marker.encode())
+    left = processes_with(marker.encode()) + glob.glob(folder + "/*.active")
     return status, seconds, traceback, left
 
 
@@ -71,6 +75,7 @@ def main():
     parser.add_argument("--load", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
+    subprocess.run([os.path.join(ROOT, "threelink"), "build"], check=True)
     delays = random.Random(options.seed)
     burners = [subprocess.Popen([sys.executable, "-c", "while True: pass"])
                for _ in range(options.load)]
@@ -80,20 +85,21 @@ def main():
             for number in range(options.runs):
                 # Half of them while the launch is coming up.
                 delay = delays.uniform(0, LONGEST if number % 2 else 1.5)
-                status, seconds, traceback, left = run(number, delay, folder)
-                if status == -signal.SIGINT:
-                    status = 130  # as a shell tells it
-                fine = status == 130 and seconds < ALLOWED and not traceback and not left
+                sent = signal.SIGTERM if number // 2 % 2 else signal.SIGINT
+                status, seconds, traceback, left = run(number, sent, delay, folder)
+                if status == -sent:
+                    status = 128 + sent  # as a shell tells it
+                fine = status == 128 + sent and seconds < ALLOWED and not traceback and not left
                 bad += not fine
                 longest = max(longest, seconds)
-                print("after %.2f s: status %d, back after %.2f s%s%s%s"
-                      % (delay, status, seconds, ", traceback" if traceback else "",
+                print("%s after %.2f s: status %d, back after %.2f s%s%s%s"
+                      % (sent.name, delay, status, seconds, ", traceback" if traceback else "",
                          ", left: %s" % left if left else "", "" if fine else "  <- wrong"),
                       flush=True)
     finally:
         for burner in burners:
             burner.kill()
-    print("%d of %d as wanted; the longest end took %.2f s"
+    print("%d of %d as promised; the longest end took %.2f s"
           % (options.runs - bad, options.runs, longest))
     return 1 if bad else 0
 

@@ -41,8 +41,7 @@ class Run:
         self.processes = []
 
     def __enter__(self):
-        port = getattr(self.hosts, "uri", ":11311").rpartition(":")[2]
-        self.master = self.start(0, ["rosmaster", "--core", "-p", port])
+        self.start_master()
         return self
 
     def __exit__(self, *_):
@@ -53,6 +52,10 @@ class Run:
         logs = self.out + ".ros"
         self.processes.append(Process(self.hosts.command(host, command), ROS_HOME=logs))
         return self.processes[-1]
+
+    def start_master(self):
+        port = getattr(self.hosts, "uri", ":11311").rpartition(":")[2]
+        self.master = self.start(0, ["rosmaster", "--core", "-p", port])
 
     def node(self, host, kind, name, parameters):
         return self.start(host, [program(kind), "__ns:=threelink", "__name:=" + name] +
