@@ -107,7 +107,7 @@ class MakeUrdfTest(unittest.TestCase):
                 (["--length-scale", "0"], '--length-scale: "0" must be a number in [1e-09, 1000000]'),
                 (["--time-scale", "nan"], '--time-scale: "nan" must be a number in [0.001, 1000]'),
                 (["--joint-limit", "1e999"], '--joint-limit: "1e999" must be a finite number'),
-                (["--joint-limit", "4"], "joint_limit = 4: must be in (0, pi]"),
+                (["--joint-limit", "4"], "joint_limit = 4: must be in [0.001, 3.14"),
                 (["--size", "1"], "size")):
             result = make_urdf(*arguments)
             self.assertEqual(result.returncode, 2, arguments)

@@ -76,7 +76,8 @@ TEST(ShippedPolicies, WereTrainedAsTheDocumentationSays) {
     EXPECT_NE(learning.find(policy.sha256()), std::string::npos) << name;
   }
   const auto config_of = [](const std::string& name) {
-    return Policy::load(kConfig + "/policies/" + name + ".safetensors").metadata().config;
+    const std::string path = kConfig + "/policies/" + name + ".safetensors";
+    return to_yaml(parse_train_config(Policy::load(path).metadata().config, path));
   };
   EXPECT_EQ(config_of("vfs"), to_yaml(load_train_config(kConfig + "/train_vfs.yaml")));
   struct Eas {

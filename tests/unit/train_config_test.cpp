@@ -61,6 +61,19 @@ TEST(TrainConfig, ReadsEveryKey) {
   EXPECT_EQ(config.updates(), 10u);
 }
 
+TEST(TrainConfig, VersionTwoHasTheJointLimitAndVersionOneMeansItsDefault) {
+  const TrainConfig old = parse_train_config(kValid, "test");
+  EXPECT_EQ(old.environment.model.joint_limit, threelink_sim::Model().joint_limit);
+  std::string yaml = "version: 2\n" + with("dt: 0.1,", "dt: 0.1, joint_limit: 1.5,");
+  const TrainConfig config = parse_train_config(yaml, "test");
+  EXPECT_EQ(config.environment.model.joint_limit, 1.5);
+  EXPECT_EQ(to_yaml(config).rfind("version: 2\n", 0), 0u);
+  const auto difference = first_difference(old, config);
+  ASSERT_TRUE(difference);
+  EXPECT_EQ(difference->name, "environment.joint_limit");
+  EXPECT_EQ(difference->b, "1.5");
+}
+
 TEST(TrainConfig, WrittenAndReadBackIsTheSame) {
   TrainConfig config = parse_train_config(kValid, "test");
   config.update.actor_learning_rate = 1e-5;
@@ -103,7 +116,7 @@ TEST(TrainConfig, HomingIsASectionThatMayBeLeftOut) {
     const auto difference =
         swapped ? first_difference(with, without) : first_difference(without, with);
     ASSERT_TRUE(difference);
-    EXPECT_EQ(difference->key, "homing.observation");
+    EXPECT_EQ(difference->name, "homing.observation");
     EXPECT_EQ(swapped ? difference->b : difference->a, "nothing");
     EXPECT_EQ(swapped ? difference->a : difference->b, "direction");
   }
@@ -123,17 +136,17 @@ TEST(TrainConfig, RefusesHomingThatCannotBe) {
                           const std::string& message) {
     EXPECT_NE(refusal(found, put).find(message), std::string::npos) << refusal(found, put);
   };
-  expect("bonus: 1.5", "bonus: -1.0", "homing.bonus = -1: must be in [0, 1000000]");
+  expect("bonus: 1.5", "bonus: -1.0", "homing.bonus = -1.0: must be in [0, 1000000]");
   expect("  bonus: 1.5\n", "", "homing.bonus: missing");
   expect("bonus: 1.5", "bonus: 1.5\n  bonnus: 1.0", "homing.bonnus: unknown key");
   expect("direction_share: 0.7", "direction_share: 1.1",
          "homing.direction_share = 1.1: must be in");
-  expect("nearest: 0.001", "nearest: 0.0", "homing.nearest = 0: must be in");
-  expect("farthest: 0.5", "farthest: 0.0005", "homing.farthest = 0.0005: must be in [0.001,");
-  expect("threshold: 0.002", "threshold: .nan", "homing.threshold = nan: must be in");
-  expect(
-      "observation: direction", "observation: camera",
-      "homing.observation = camera: observation \"camera\": must be \"direction\" or \"target\"");
+  expect("nearest: 0.001", "nearest: 0.0", "homing.nearest = 0.0: must be in");
+  expect("farthest: 0.5", "farthest: 0.0005",
+         "homing.farthest = 0.0005: must be at least homing.nearest = 0.001");
+  expect("threshold: 0.002", "threshold: .nan", "homing.threshold = .nan: must be finite");
+  expect("observation: direction", "observation: camera",
+         "homing.observation = camera: must be one of: direction, target");
   expect(kHoming, "\nhoming: 1\n", "homing: unknown key");
 }
 
@@ -156,14 +169,15 @@ const Refusal kRefusals[] = {
     // Unknown, missing, twice, of the wrong form
     {"clip: 0.2", "clp: 0.2", "update.clp: unknown key .*update.clip"},
     {"seed: 3", "sead: 3", "sead: unknown key .*seed"},
-    {"dt: 0.1, ", "dt: 0.1, joint_limit: 2.0, ", "environment.joint_limit: unknown key"},
+    {"dt: 0.1, ", "dt: 0.1, joint_limit: 2.0, ",
+     "environment.joint_limit = 2.0: is a key of version 2"},
     {"seed: 3\n", "", "seed: missing"},
     {"lambda: 0.95, ", "", "advantage.lambda: missing"},
     {"std_final: 0.3, ", "", "exploration.std_final: missing"},
     {"seed: 3\n", "seed: 3\nseed: 4\n", "line 3, column 1: seed: given twice"},
     {"clip: 0.2", "clip: 0.2\n  clip: 0.3", "clip: given twice"},
     {"symmetry: {", "advantage: {lambda: 1.0}\nsymmetry: {", "advantage: given twice"},
-    {"learned: false", "learned: true", "exploration.decay_fraction: unknown key"},
+    {"learned: false", "learned: true", "exploration.(std_final|decay_fraction): unknown key"},
     {"epochs: 10", "epochs: {a: 10}", "update.epochs.a: unknown key .*update.epochs"},
     {"hidden: [64, 32]", "hidden: {a: 64}", "hidden.a: unknown key"},
     {"symmetry: {canonical: reversal, mirror: true}", "symmetry: 1", "symmetry: unknown key"},
@@ -177,6 +191,11 @@ const Refusal kRefusals[] = {
     {"seed: 3", "symmetry.mirror: true\nseed: 3", "symmetry.mirror: given twice"},
     {kValid.c_str(), "- 1", "must be a map"},
     {kValid.c_str(), "", "must be a map"},
+    {"seed: 3", "version: 1\nseed: 3", "version = 1: must be in \\[2, 2\\]"},
+    {"seed: 3", "version: 3\nseed: 3", "version = 3: must be in \\[2, 2\\]"},
+    {"seed: 3", "version: 2\nseed: 3", "environment.joint_limit: missing"},
+    {"seed: 3", "seed: 3\nhoming: {}", "homing: unknown key"},
+    {"seed: 3", "seed: 3\nnothing: {}", "nothing: unknown key"},
     // Type
     {"1.0e-3", "'1.0e-3'", "update.actor_learning_rate = .*a number"},
     {"1.0e-3", "fast", "update.actor_learning_rate = fast: must be a number"},
@@ -196,12 +215,12 @@ const Refusal kRefusals[] = {
     {"epochs: 10", "epochs: 010", "update.epochs = 010: must be written in decimal"},
     {"epochs: 10", "epochs: ten", "update.epochs = ten: must be a whole number"},
     {"epochs: 10", "epochs: 10 # \nepochs: 11", "test: "},
-    {"canonical: reversal", "canonical: [reversal]", "symmetry.canonical = .*a word"},
+    {"canonical: reversal", "canonical: [reversal]", "symmetry.canonical = .*: must be text"},
     // What YAML 1.1 takes for text
-    {"1.0e-3", "1e-3", "update.actor_learning_rate = 1e-3: .*text; write 0.001"},
-    {"1.0e-3", "1e-05", "update.actor_learning_rate = 1e-05: .*text; write 1.0e-05"},
-    {"b: 6.0", "b: 1.0e1", "environment.b = 1.0e1: .*text; write 10.0"},
-    {"b: 6.0", "b: 6E0", "environment.b = 6E0: .*text; write 6.0"},
+    {"1.0e-3", "1e-3", "update.actor_learning_rate = 1e-3: .*write 1.0e-3, which"},
+    {"1.0e-3", "1e-05", "update.actor_learning_rate = 1e-05: .*write 1.0e-05, which"},
+    {"b: 6.0", "b: 1.0e1", "environment.b = 1.0e1: .*write 1.0e\\+1, which"},
+    {"b: 6.0", "b: 6E0", "environment.b = 6E0: .*write 6.0E\\+0, which"},
     // Range
     {"seed: 3", "seed: -1", "seed = -1: must be in"},
     {"seed: 3", "seed: 9223372036854775808", "seed = 9223372036854775808: .*2\\^63"},
@@ -217,8 +236,8 @@ const Refusal kRefusals[] = {
     {"c: 1.5", "c: -0.1", "environment.c = -0.1: must be in"},
     {"steps: 200", "steps: 0", "environment.steps = 0: must be"},
     {"[64, 32]", "[]", "hidden = 0 layers: must be"},
-    {"[64, 32]", "[64, 0]", "hidden = 0: must be in"},
-    {"[64, 32]", "[64, 257]", "hidden = 257: must be in"},
+    {"[64, 32]", "[64, 0]", "hidden\\[1\\] = 0: must be in"},
+    {"[64, 32]", "[64, 257]", "hidden\\[1\\] = 257: must be in"},
     {"[64, 32]", "[8, 8, 8, 8, 8, 8, 8, 8, 8]", "hidden = 9 layers: must be"},
     {"std: 0.6", "std: 0.0", "exploration.std = 0.*: must be in"},
     {"std_final: 0.3", "std_final: 11.0", "exploration.std_final = 11.*: must be in"},
@@ -238,10 +257,10 @@ const Refusal kRefusals[] = {
     {"final_learning_rate: 0.1", "final_learning_rate: 2.0",
      "update.final_learning_rate = 2.*: must be in"},
     // Not finite
-    {"clip: 0.2", "clip: .nan", "update.clip = nan: must be in"},
-    {"b: 6.0", "b: .inf", "environment.b = inf: must be in"},
-    {"2.0e-3", "-.inf", "update.critic_learning_rate = -inf: must be in"},
-    {"discount: 0.99", "discount: .nan", "advantage.discount = nan: must be in"},
+    {"clip: 0.2", "clip: .nan", "update.clip = .nan: must be finite"},
+    {"b: 6.0", "b: .inf", "environment.b = .inf: must be finite"},
+    {"2.0e-3", "-.inf", "update.critic_learning_rate = -.inf: must be finite"},
+    {"discount: 0.99", "discount: .nan", "advantage.discount = .nan: must be finite"},
     {"dt: 0.1", "dt: 1e999", "environment.dt = "},
 };
 
@@ -347,7 +366,7 @@ TEST(TrainConfig, TheFirstDifferenceIsNamed) {
   other.exploration.learned = true;
   const auto difference = first_difference(config, other);
   ASSERT_TRUE(difference);
-  EXPECT_EQ(difference->key, "exploration.learned");
+  EXPECT_EQ(difference->name, "exploration.learned");
   EXPECT_EQ(difference->a, "false");
   EXPECT_EQ(difference->b, "true");
 }

@@ -145,8 +145,8 @@ class TrainTest(unittest.TestCase):
         path = self.other + ".yaml"
         for found, put, message in (
                 ("clip: 0.2", "clp: 0.2", "update.clp: unknown key (the nearest known one is update.clip)"),
-                ("clip: 0.2", "clip: 2.0", "update.clip = 2: must be in (0, 1)"),
-                ("clip: 0.2", "clip: .nan", "update.clip = nan: must be in (0, 1)"),
+                ("clip: 0.2", "clip: 2.0", "update.clip = 2.0: must be in (0, 1)"),
+                ("clip: 0.2", "clip: .nan", "update.clip = .nan: must be finite"),
                 ("2.0e-3", "2e-3", "update.actor_learning_rate = 2e-3: must be a number"),
                 ("epochs: 5 ", "epochs: 1.5 ", "update.epochs = 1.5: must be a whole number")):
             self.assertIn(found, text)

@@ -13,6 +13,7 @@
 #include "threelink_agent/mlp.hpp"
 #include "threelink_sim/environment.hpp"
 #include "threelink_sim/usage_error.hpp"
+#include "threelink_sim/words.hpp"
 
 namespace threelink_agent {
 
@@ -30,6 +31,7 @@ enum class Symmetry {
   // (-cos, -sin, -alpha_{N-1}, .., -alpha_1), and its rates are swapped back, r_j = -r'_{N-j}.
   kReversal,
 };
+threelink_sim::Words<Symmetry> words_of(Symmetry);
 std::string to_string(Symmetry symmetry);           // "none", "reversal"
 Symmetry symmetry_from_string(const std::string&);  // throws std::invalid_argument
 

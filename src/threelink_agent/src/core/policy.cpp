@@ -40,13 +40,15 @@ void add_noise(const ActionKey& key, const Eigen::VectorXf& std, std::size_t n, 
 
 }  // namespace
 
-std::string to_string(Symmetry symmetry) {
-  return symmetry == Symmetry::kReversal ? "reversal" : "none";
+threelink_sim::Words<Symmetry> words_of(Symmetry) {
+  return {{Symmetry::kNone, "none"}, {Symmetry::kReversal, "reversal"}};
 }
 
+std::string to_string(Symmetry symmetry) { return threelink_sim::word_of(symmetry); }
+
 Symmetry symmetry_from_string(const std::string& name) {
-  for (Symmetry symmetry : {Symmetry::kNone, Symmetry::kReversal})
-    if (name == to_string(symmetry)) return symmetry;
+  for (const auto& [symmetry, word] : words_of(Symmetry()))
+    if (name == word) return symmetry;
   throw std::invalid_argument(
       fmt::format("symmetry \"{}\": must be \"none\" or \"reversal\"", name));
 }

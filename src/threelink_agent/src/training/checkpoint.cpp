@@ -68,7 +68,7 @@ std::optional<BestPolicy> read_best(ContainerReader& reader, const TrainConfig& 
 void check_config(const std::string& yaml, const TrainConfig& config) {
   const TrainConfig own = parse_train_config(yaml, "its configuration");
   if (const auto difference = first_difference(own, config))
-    throw ContainerError(fmt::format("{} = {}, but the training has {}", difference->key,
+    throw ContainerError(fmt::format("{} = {}, but the training has {}", difference->name,
                                      difference->a, difference->b));
 }
 

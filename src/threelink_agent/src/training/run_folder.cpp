@@ -76,9 +76,9 @@ RunFolder::RunFolder(const fs::path& path, Opening opening, const TrainConfig& c
   if (const auto difference = first_difference(config, begun))
     throw RunFolderError(
         fmt::format("{}: {} = {}, but this run has {}; it can only be resumed as it began",
-                    path.string(), difference->key, difference->a, difference->b),
+                    path.string(), difference->name, difference->a, difference->b),
         fmt::format("{}: this run has another {}; it can only be resumed as it began",
-                    path.string(), difference->key));
+                    path.string(), difference->name));
   find_checkpoint();
 }
 

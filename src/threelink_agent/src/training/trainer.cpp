@@ -147,9 +147,7 @@ Advantages Trainer::advantages(const Rollout& rollout) const {
   std::vector<float> values(states);
   ppo_->critic().forward(states, rollout.observations.data(), values.data());
   Advantages result = generalised_advantages(rollout.steps, rollout.episodes, rollout.rewards,
-                                             rollout.captured, values,
-                                             {config_.advantage.discount, config_.advantage.lambda,
-                                              config_.advantage.bootstrap_at_time_limit});
+                                             rollout.captured, values, config_.advantage);
   if (config_.advantage.normalise) normalise(result.advantages);
   return result;
 }
@@ -195,6 +193,7 @@ PolicyMetadata policy_metadata(const TrainConfig& config) {
   metadata.links = config.environment.model.links;
   metadata.dt = config.environment.dt;
   metadata.gamma = config.environment.model.gamma;
+  metadata.joint_limit = config.environment.model.joint_limit;
   metadata.symmetry = config.symmetry.canonical;
   metadata.config = to_yaml(config);
   return metadata;

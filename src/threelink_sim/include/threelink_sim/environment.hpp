@@ -17,11 +17,32 @@ namespace threelink_sim {
 
 struct EnvironmentConfig {
   Model model;
-  double dt = 0.1;            // [T0] action step, in (0, 1]
-  double b = 6.0;             // weight of the progress, > 0
-  double c = 0.0;             // weight of the work, >= 0; 0 is the Velocity-Focused Strategy
-  std::uint32_t steps = 200;  // N_s, time limit of an episode, > 0
+  double dt = 0.1;
+  double b = 6.0;
+  double c = 0.0;
+  std::uint32_t steps = 200;
   ObservationKind observation = ObservationKind::kDirection;
+
+  // The swimmer and its action step.
+  template <class Self, class Visit>
+  static void swimmer_fields(Self& self, Visit&& visit) {
+    Model::fields(self.model, visit);
+    visit("dt", self.dt, Range<double>{1e-3, 1}, "[T0] for which an action is held");
+  }
+  // The reward of a step, b dx.p - c W; its weights are called `reward_b` and `reward_c` where they
+  // stand among others.
+  template <class Self, class Visit>
+  static void reward_fields(Self& self, Visit&& visit, const char* b = "b", const char* c = "c") {
+    visit(b, self.b, Range<double>{1e-6, 1e6}, "weight of the progress");
+    visit(c, self.c, Range<double>{0, 1e6}, "weight of the work; 0: only speed counts");
+  }
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    swimmer_fields(self, visit);
+    reward_fields(self, visit);
+    visit("steps", self.steps, Range<std::uint32_t>{1, 1'000'000},
+          "N_s, actions in an episode: the time limit");
+  }
 
   // Throws std::invalid_argument that names field, value and bound.
   void validate() const;

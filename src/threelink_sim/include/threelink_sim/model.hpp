@@ -5,6 +5,7 @@
 
 #include "threelink_sim/kernel/kernels.hpp"
 #include "threelink_sim/model_limits.hpp"
+#include "threelink_sim/range.hpp"
 
 namespace threelink_sim {
 
@@ -18,9 +19,16 @@ using LinkVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMa
 // N equal slender links of length 1/N, joined by N-1 hinges, at low Reynolds number. Dimensionless
 // as in the paper: lengths in L, times in T0, forces in C_perp L^2 / T0.
 struct Model {
-  int links = 3;                     // N, in [2, kMaxLinks]
-  double gamma = 0.5;                // C_parallel / C_perp, in (0, 10]
-  double joint_limit = 2 * kPi / 3;  // [rad] bound on |alpha_j|, in (0, pi]
+  int links = 3;
+  double gamma = 0.5;
+  double joint_limit = 2 * kPi / 3;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("links", self.links, Range<int>{2, kMaxLinks}, "number of links N");
+    visit("gamma", self.gamma, Range<double>{1e-3, 10}, "drag ratio C_parallel / C_perp");
+    visit("joint_limit", self.joint_limit, Range<double>{1e-3, kPi}, "[rad] bound on |alpha_j|");
+  }
 
   int hinges() const { return links - 1; }
   // Index, from 0, of the link whose angle is the swimmer's heading: theta_2 of three.

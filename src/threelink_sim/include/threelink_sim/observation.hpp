@@ -16,6 +16,7 @@
 #include <Eigen/Core>
 
 #include "threelink_sim/model.hpp"
+#include "threelink_sim/words.hpp"
 
 namespace threelink_sim {
 
@@ -24,6 +25,7 @@ enum class ObservationKind { kDirection, kTarget };
 constexpr double kNearest = 5e-4;  // [L] nearer targets look the same
 constexpr double kFarthest = 0.5;  // [L] so do more distant ones
 
+Words<ObservationKind> words_of(ObservationKind);
 std::string to_string(ObservationKind kind);  // "direction", "target"
 // Throws std::invalid_argument that names them.
 ObservationKind observation_kind_from_string(const std::string& name);

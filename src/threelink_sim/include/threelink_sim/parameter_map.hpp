@@ -3,6 +3,7 @@
 // The values are YAML, of a file, a message or (threelink_sim/node/parameters.hpp) ROS parameters.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <set>
@@ -13,7 +14,9 @@
 #include <Eigen/Core>
 #include <yaml-cpp/yaml.h>
 
+#include "threelink_sim/range.hpp"
 #include "threelink_sim/usage_error.hpp"
+#include "threelink_sim/yaml.hpp"
 
 namespace threelink_sim {
 
@@ -21,13 +24,6 @@ namespace threelink_sim {
 class ParameterError : public UsageError {
  public:
   using UsageError::UsageError;
-};
-
-// Closed interval.
-template <class T>
-struct Range {
-  T low;
-  T high;
 };
 
 // All digits, and with the point without which ROS 1 takes 5e-05 for text and 1 for a whole number.
@@ -42,11 +38,27 @@ class ParameterMap {
  public:
   using Points = std::vector<Eigen::Vector2d>;
 
+  enum class Style {
+    // "SCOPE/NAME = VALUE (type): .."; whoever reads the message has given the values.
+    kParameters,
+    // "SCOPE: NAME = VALUE: .."; a peer, who may have named the file only, is told no value
+    // (UsageError::for_peers()). Every value must be there, fallbacks are not used: finish() names
+    // what is missing. Numbers are taken in no other way than ROS takes them.
+    kFile,
+  };
+
   // `values` is a map, or null for an empty one; `scope` is what names begin with in messages.
-  ParameterMap(const std::string& scope, const YAML::Node& values);
+  ParameterMap(const std::string& scope, const YAML::Node& values,
+               Style style = Style::kParameters);
+  Style style() const { return style_; }
 
   double real(const std::string& name, Range<double> range, std::optional<double> fallback = {});
   int integer(const std::string& name, Range<int> range, std::optional<int> fallback = {});
+  // Of any width; the range must be within that of a signed 64-bit number.
+  std::int64_t whole(const std::string& name, Range<std::int64_t> range,
+                     std::optional<std::int64_t> fallback = {});
+  // A list of whole numbers, each within the range.
+  std::vector<int> integers(const std::string& name, Range<int> range);
   bool flag(const std::string& name, std::optional<bool> fallback = {});
   std::string text(const std::string& name, std::optional<std::string> fallback = {});
   // One of several words.
@@ -60,8 +72,11 @@ class ParameterMap {
 
   bool has(const std::string& name) const { return values_.IsMap() && values_[name]; }
 
+  // Whether a file has a section of that name, or a value in its place.
+  bool has_section(const std::string& section) const;
+
   // To be called after the last getter: refuses parameters that no getter asked for, and names the
-  // nearest one that exists.
+  // nearest one that exists; then what a file lacks.
   void finish() const;
   // Makes finish() accept a parameter that is for somebody else.
   void ignore(const std::string& name) { known_.insert(name); }
@@ -81,19 +96,31 @@ class ParameterMap {
   std::string effective(const std::string& indent = "") const;
 
  private:
-  // Undefined if it is absent and may be.
+  // Undefined if it is absent and may be, and if a file lacks it.
   YAML::Node find(const std::string& name, bool required);
   double number(const std::string& name, const YAML::Node& value, Range<double> range) const;
+  std::int64_t whole_number(const std::string& name, const YAML::Node& value,
+                            Range<std::int64_t> range) const;
+  std::string described(const YAML::Node& value) const;
+  ParameterError error(const std::string& name, const std::string& value,
+                       const std::string& reason) const;
   template <class Value>
   Value keep(const std::string& name, const Value& value, const std::string& yaml);
 
   std::string scope_;
   YAML::Node values_;
+  Style style_;
   std::set<std::string> known_;
+  std::vector<std::string> missing_;
   std::vector<std::pair<std::string, std::string>> effective_;
 };
 
 // Of a YAML text, as parse_yaml() reads it; throws ParameterError that begins with `scope`.
 ParameterMap parse_parameters(const std::string& scope, const std::string& yaml);
+
+// Of a configuration file's text, in the style kFile. Maps within maps are read by names with dots:
+// "update.clip". Throws ParameterError that begins with `source`.
+ParameterMap parse_config(const std::string& source, const std::string& yaml,
+                          const YamlLimits& limits);
 
 }  // namespace threelink_sim

@@ -6,32 +6,28 @@
 
 #include <fmt/format.h>
 
+#include "threelink_sim/fields.hpp"
 #include "threelink_sim/random.hpp"
 
 namespace threelink_sim {
 
-void EnvironmentConfig::validate() const {
-  model.validate();
-  if (!(dt > 0 && dt <= 1))
-    throw std::invalid_argument(fmt::format("dt = {}: must be in (0, 1]", dt));
-  if (!(b > 0 && b <= 1e6))
-    throw std::invalid_argument(fmt::format("b = {}: must be in (0, 1e6]", b));
-  if (!(c >= 0 && c <= 1e6))
-    throw std::invalid_argument(fmt::format("c = {}: must be in [0, 1e6]", c));
-  if (steps < 1) throw std::invalid_argument(fmt::format("steps = {}: must be at least 1", steps));
-}
+void EnvironmentConfig::validate() const { check_fields(*this); }
 
 std::string swimmer_difference(const EnvironmentConfig& found, const EnvironmentConfig& wanted) {
-  std::string difference;
-  const auto compare = [&difference](const char* name, double is, double must_be) {
-    if (is == must_be) return;
-    difference +=
-        fmt::format("{}{} = {} instead of {}", difference.empty() ? "" : ", ", name, is, must_be);
+  const auto texts = [](const EnvironmentConfig& config) {
+    FieldTexts texts;
+    EnvironmentConfig::swimmer_fields(config,
+                                      [&](const std::string& name, auto value, const auto&...) {
+                                        texts.emplace_back(name, fmt::format("{}", value));
+                                      });
+    return texts;
   };
-  compare("links", found.model.links, wanted.model.links);
-  compare("gamma", found.model.gamma, wanted.model.gamma);
-  compare("joint_limit", found.model.joint_limit, wanted.model.joint_limit);
-  compare("dt", found.dt, wanted.dt);
+  const FieldTexts is = texts(found), must_be = texts(wanted);
+  std::string difference;
+  for (std::size_t i = 0; i < is.size(); ++i)
+    if (is[i] != must_be[i])
+      difference += fmt::format("{}{} = {} instead of {}", difference.empty() ? "" : ", ",
+                                is[i].first, is[i].second, must_be[i].second);
   return difference;
 }
 

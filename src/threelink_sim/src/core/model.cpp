@@ -5,17 +5,11 @@
 
 #include <fmt/format.h>
 
+#include "threelink_sim/fields.hpp"
+
 namespace threelink_sim {
 
-void Model::validate() const {
-  if (links < 2 || links > kMaxLinks)
-    throw std::invalid_argument(fmt::format("links = {}: must be in [2, {}]", links, kMaxLinks));
-  if (!(gamma > 0 && gamma <= 10))
-    throw std::invalid_argument(fmt::format("gamma = {}: must be in (0, 10]", gamma));
-  if (!(joint_limit > 0 && joint_limit <= kPi))
-    throw std::invalid_argument(
-        fmt::format("joint_limit = {}: must be in (0, pi] rad", joint_limit));
-}
+void Model::validate() const { check_fields(*this); }
 
 int substeps(const Model& model, double dt, double max_rate) {
   // The slack keeps 0.1 * 1 at one substep in spite of rounding.

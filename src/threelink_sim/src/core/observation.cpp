@@ -8,13 +8,15 @@
 
 namespace threelink_sim {
 
-std::string to_string(ObservationKind kind) {
-  return kind == ObservationKind::kTarget ? "target" : "direction";
+Words<ObservationKind> words_of(ObservationKind) {
+  return {{ObservationKind::kDirection, "direction"}, {ObservationKind::kTarget, "target"}};
 }
 
+std::string to_string(ObservationKind kind) { return word_of(kind); }
+
 ObservationKind observation_kind_from_string(const std::string& name) {
-  for (ObservationKind kind : {ObservationKind::kDirection, ObservationKind::kTarget})
-    if (name == to_string(kind)) return kind;
+  for (const auto& [kind, word] : words_of(ObservationKind()))
+    if (name == word) return kind;
   throw std::invalid_argument(
       fmt::format("observation \"{}\": must be \"direction\" or \"target\"", name));
 }

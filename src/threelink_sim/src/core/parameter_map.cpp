@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -83,6 +84,28 @@ std::string advice_on_text(const std::string& text) {
   return fmt::format("; write {}{}, which YAML takes for a number", mantissa, exponent);
 }
 
+// Whether ROS 1, whose YAML is version 1.1, takes a number that is written like this for text: with
+// an exponent, but without a point or without the exponent's sign.
+bool ros_takes_for_text(const std::string& number) {
+  const std::size_t e = number.find_first_of("eE");
+  if (e == std::string::npos) return false;
+  return number.find('.') == std::string::npos || number.find_first_of("+-", e) != e + 1;
+}
+
+// Maps within `map` become names with dots.
+void flatten(const YAML::Node& map, const std::string& prefix, YAML::Node& flat) {
+  for (const auto& entry : map) {
+    const std::string name = prefix + entry.first.Scalar();
+    if (entry.second.IsMap() && entry.second.size() > 0) {
+      flatten(entry.second, name + ".", flat);
+    } else {
+      if (flat[name])  // "a.b" beside {a: {b: ..}}
+        throw FormatError(excerpt(name) + ": given twice", "a key is given twice");
+      flat[name] = entry.second;
+    }
+  }
+}
+
 }  // namespace
 
 std::string yaml_number(double value) {
@@ -99,9 +122,11 @@ std::string yaml_text(const std::string& text) {
   return emitter.c_str();
 }
 
-ParameterMap::ParameterMap(const std::string& scope, const YAML::Node& values)
-    : scope_(scope), values_(values) {
-  if (values_.IsDefined() && !values_.IsNull() && !values_.IsMap())
+ParameterMap::ParameterMap(const std::string& scope, const YAML::Node& values, Style style)
+    : scope_(scope), values_(values), style_(style) {
+  if (values_.IsMap()) return;
+  if (style_ == Style::kFile) throw ParameterError(scope_ + ": must be a map of keys to values");
+  if (values_.IsDefined() && !values_.IsNull())
     throw ParameterError(
         fmt::format("{} = {}: must be a dictionary of parameters", scope_, describe(values_)));
 }
@@ -109,14 +134,31 @@ ParameterMap::ParameterMap(const std::string& scope, const YAML::Node& values)
 YAML::Node ParameterMap::find(const std::string& name, bool required) {
   known_.insert(name);
   if (has(name)) return values_[name];
-  if (required) throw ParameterError(fmt::format("{}/{} is missing", scope_, name));
+  if (required && style_ == Style::kFile)
+    missing_.push_back(name);
+  else if (required)
+    throw ParameterError(fmt::format("{}/{} is missing", scope_, name));
   return YAML::Node(YAML::NodeType::Undefined);
 }
 
+std::string ParameterMap::described(const YAML::Node& value) const {
+  if (style_ == Style::kParameters) return describe(value);
+  std::ostringstream text;
+  text << value;
+  return excerpt(text.str());
+}
+
+ParameterError ParameterMap::error(const std::string& name, const std::string& value,
+                                   const std::string& reason) const {
+  const std::string key = style_ == Style::kFile ? fmt::format("{}: {}", scope_, name)
+                                                 : fmt::format("{}/{}", scope_, name);
+  const std::string text = fmt::format("{}{}: {}", key, value.empty() ? "" : " = " + value, reason);
+  if (style_ == Style::kParameters) return ParameterError(text);
+  return ParameterError(text, fmt::format("{}: {}", key, reason));
+}
+
 void ParameterMap::refuse(const std::string& name, const std::string& reason) const {
-  if (!has(name)) throw ParameterError(fmt::format("{}/{}: {}", scope_, name, reason));
-  throw ParameterError(
-      fmt::format("{}/{} = {}: {}", scope_, name, describe(values_[name]), reason));
+  throw error(name, has(name) ? described(values_[name]) : "", reason);
 }
 
 template <class Value>
@@ -128,52 +170,86 @@ Value ParameterMap::keep(const std::string& name, const Value& value, const std:
 double ParameterMap::number(const std::string& name, const YAML::Node& value,
                             Range<double> range) const {
   const Type type = type_of(value);
-  if (type == Type::kString) refuse(name, "must be a number" + advice_on_text(value.Scalar()));
-  if (type != Type::kInt && type != Type::kDouble) refuse(name, "must be a number");
+  const auto refuse = [&](const std::string& reason) {
+    throw error(name, described(value), reason);
+  };
+  if (type == Type::kString) refuse("must be a number" + advice_on_text(value.Scalar()));
+  if (type != Type::kInt && type != Type::kDouble) refuse("must be a number");
   const double number = *as_real(value.Scalar());
-  if (!std::isfinite(number)) refuse(name, "must be finite");
-  if (number < range.low || number > range.high)
-    refuse(name, fmt::format("must be in [{:.10g}, {:.10g}]", range.low, range.high));
+  if (!std::isfinite(number)) refuse("must be finite");
+  if (style_ == Style::kFile && ros_takes_for_text(value.Scalar()))
+    refuse("must be a number" + advice_on_text(value.Scalar()));
+  if (!range.contains(number)) refuse("must be " + range.text());
   return number;
 }
 
 double ParameterMap::real(const std::string& name, Range<double> range,
                           std::optional<double> fallback) {
   const YAML::Node value = find(name, !fallback);
-  const double result = value.IsDefined() ? number(name, value, range) : *fallback;
+  const double result = value.IsDefined() ? number(name, value, range) : fallback.value_or(0);
   return keep(name, result, yaml_number(result));
 }
 
-int ParameterMap::integer(const std::string& name, Range<int> range, std::optional<int> fallback) {
-  const YAML::Node value = find(name, !fallback);
-  if (!value.IsDefined()) return keep(name, *fallback, fmt::format("{}", *fallback));
+std::int64_t ParameterMap::whole_number(const std::string& name, const YAML::Node& value,
+                                        Range<std::int64_t> range) const {
   const Type type = type_of(value);
-  if (type == Type::kString)
-    refuse(name, "must be a whole number" + advice_on_text(value.Scalar()));
-  if (type != Type::kInt) refuse(name, "must be a whole number");
-  const long number = *as_whole(value.Scalar());
-  if (number < range.low || number > range.high)
-    refuse(name, fmt::format("must be in [{}, {}]", range.low, range.high));
-  return keep(name, static_cast<int>(number), fmt::format("{}", number));
+  const auto refuse = [&](const std::string& reason) {
+    throw error(name, described(value), reason);
+  };
+  const std::string word = value.IsScalar() ? value.Scalar() : "";
+  // Other readers take 010 for eight and 0x10 for sixteen.
+  if (value.Tag() != "!" && word.size() > 1 && word[0] == '0' &&
+      word.find('.') == std::string::npos)
+    refuse("must be written in decimal, without a 0 in front");
+  if (type == Type::kString) refuse("must be a whole number" + advice_on_text(word));
+  if (type == Type::kDouble && word.find_first_not_of("0123456789+-") == std::string::npos)
+    refuse("must be a whole number below 2^63");
+  if (type != Type::kInt) refuse("must be a whole number");
+  const std::int64_t number = *as_whole(word);
+  if (!range.contains(number)) refuse("must be " + range.text());
+  return number;
+}
+
+std::int64_t ParameterMap::whole(const std::string& name, Range<std::int64_t> range,
+                                 std::optional<std::int64_t> fallback) {
+  const YAML::Node value = find(name, !fallback);
+  const std::int64_t result =
+      value.IsDefined() ? whole_number(name, value, range) : fallback.value_or(0);
+  return keep(name, result, fmt::format("{}", result));
+}
+
+int ParameterMap::integer(const std::string& name, Range<int> range, std::optional<int> fallback) {
+  return static_cast<int>(whole(name, {range.low, range.high}, fallback));
+}
+
+std::vector<int> ParameterMap::integers(const std::string& name, Range<int> range) {
+  const YAML::Node values = find(name, true);
+  std::vector<int> result;
+  if (values.IsDefined() && !values.IsSequence()) refuse(name, "must be a list of whole numbers");
+  for (std::size_t i = 0; values.IsDefined() && i < values.size(); ++i)
+    result.push_back(static_cast<int>(
+        whole_number(fmt::format("{}[{}]", name, i), values[i], {range.low, range.high})));
+  return keep(name, result, fmt::format("[{}]", fmt::join(result, ", ")));
 }
 
 bool ParameterMap::flag(const std::string& name, std::optional<bool> fallback) {
   const YAML::Node value = find(name, !fallback);
   if (value.IsDefined() && type_of(value) != Type::kBool) refuse(name, "must be true or false");
-  const bool result = value.IsDefined() ? value.Scalar() == "true" : *fallback;
+  const bool result = value.IsDefined() ? value.Scalar() == "true" : fallback.value_or(false);
   return keep(name, result, result ? "true" : "false");
 }
 
 std::string ParameterMap::text(const std::string& name, std::optional<std::string> fallback) {
   const YAML::Node value = find(name, !fallback);
   if (value.IsDefined() && type_of(value) != Type::kString) refuse(name, "must be text");
-  const std::string result = value.IsDefined() ? value.Scalar() : *fallback;
+  const std::string result = value.IsDefined() ? value.Scalar() : fallback.value_or("");
   return keep(name, result, yaml_text(result));
 }
 
 std::string ParameterMap::choice(const std::string& name, const std::vector<std::string>& words,
                                  const std::optional<std::string>& fallback) {
   std::string word = text(name, fallback);
+  if (!has(name) && !fallback) return words.front();  // finish() says that it is missing
   if (std::find(words.begin(), words.end(), word) == words.end())
     refuse(name, fmt::format("must be one of: {}", fmt::join(words, ", ")));
   return word;
@@ -190,7 +266,7 @@ ParameterMap::Points ParameterMap::points(
     try {
       points = from_text(value.Scalar());
     } catch (const UsageError& error) {
-      throw within<ParameterError>(fmt::format("{}/{} = {}", scope_, name, describe(values_[name])),
+      throw within<ParameterError>(fmt::format("{}/{} = {}", scope_, name, described(value)),
                                    error);
     }
   } else if (type_of(value) != Type::kList) {
@@ -208,20 +284,32 @@ ParameterMap::Points ParameterMap::points(
   return keep(name, points, fmt::format("[{}]", fmt::join(pairs, ", ")));
 }
 
+bool ParameterMap::has_section(const std::string& section) const {
+  if (!values_.IsMap()) return false;
+  return std::any_of(values_.begin(), values_.end(), [&](const auto& item) {
+    const std::string& name = item.first.Scalar();
+    return name == section || name.rfind(section + ".", 0) == 0;
+  });
+}
+
 void ParameterMap::finish() const {
   if (!values_.IsMap()) return;
+  const bool file = style_ == Style::kFile;
   std::set<std::string> given;
   for (const auto& item : values_) {
     const std::string name = item.first.IsScalar() ? item.first.Scalar() : "";
-    if (!given.insert(name).second)
-      throw ParameterError(fmt::format("{}/{}: given twice", scope_, excerpt(name)));
+    if (!given.insert(name).second) throw error(excerpt(name), "", "given twice");
     if (known_.count(name)) continue;
-    if (known_.empty())
-      throw ParameterError(fmt::format("{}/{}: no such parameter", scope_, excerpt(name)));
-    throw ParameterError(fmt::format("{}/{}: no such parameter; the nearest one is {}/{}", scope_,
-                                     excerpt(name), scope_,
-                                     nearest_name(name, {known_.begin(), known_.end()})));
+    if (known_.empty()) throw error(excerpt(name), "", "no such parameter");
+    const std::string nearest = nearest_name(name, {known_.begin(), known_.end()});
+    if (file)
+      throw ParameterError(fmt::format("{}: {}: unknown key (the nearest known one is {})", scope_,
+                                       excerpt(name), nearest),
+                           scope_ + ": holds a key that is not known");
+    throw error(excerpt(name), "",
+                fmt::format("no such parameter; the nearest one is {}/{}", scope_, nearest));
   }
+  if (!missing_.empty()) throw error(missing_.front(), "", "missing");
 }
 
 ParameterMap parse_parameters(const std::string& scope, const std::string& yaml) {
@@ -229,6 +317,19 @@ ParameterMap parse_parameters(const std::string& scope, const std::string& yaml)
     return ParameterMap(scope, parse_yaml(yaml));
   } catch (const FormatError& error) {
     throw within<ParameterError>(scope, error);
+  }
+}
+
+ParameterMap parse_config(const std::string& source, const std::string& yaml,
+                          const YamlLimits& limits) {
+  try {
+    const YAML::Node root = parse_yaml(yaml, limits);
+    if (!root.IsMap()) return ParameterMap(source, root, ParameterMap::Style::kFile);
+    YAML::Node flat(YAML::NodeType::Map);
+    flatten(root, "", flat);
+    return ParameterMap(source, flat, ParameterMap::Style::kFile);
+  } catch (const FormatError& error) {
+    throw within<ParameterError>(source, error);
   }
 }
 

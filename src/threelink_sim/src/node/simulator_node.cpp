@@ -6,6 +6,7 @@
 #include <ros/this_node.h>
 
 #include "simulator.hpp"
+#include "threelink_sim/fields.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/swimmer_parameters.hpp"
@@ -40,10 +41,9 @@ subscribes to
 service
   reset         threelink_msgs/Reset            starts the next episode
 parameters (config/swimmer.yaml is their manual; defaults in brackets)
-  ~links [3]  ~gamma [0.5]  ~joint_limit [2 pi/3 rad]  ~dt [0.1 T0]  ~reward_b [6]  ~reward_c [0]
-  ~observation [direction]  ~length_scale [1 m]  ~time_scale [1 s]  ~realtime_factor [1]
-  ~peer_timeout [10 s]  ~watchdog_periods [3]  ~display_rate [30 /s]
 )";
+
+std::string help() { return kHelp + field_help(SimulatorConfig(), "~"); }
 
 // There must be one source of simulation time, of each that this one was remapped to.
 void refuse_second_clock() {
@@ -76,6 +76,6 @@ int run() {
 }  // namespace threelink_sim
 
 int main(int argc, char** argv) {
-  return threelink_sim::run_node(argc, argv, {"simulator", threelink_sim::kHelp},
+  return threelink_sim::run_node(argc, argv, {"simulator", threelink_sim::help()},
                                  threelink_sim::run);
 }

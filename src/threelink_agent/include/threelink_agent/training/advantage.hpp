@@ -4,14 +4,27 @@
 #include <cstdint>
 #include <vector>
 
+#include "threelink_sim/range.hpp"
+
 namespace threelink_agent {
 
 struct AdvantageSettings {
-  double discount;  // Gamma
-  double lambda;
+  double discount = 0;
+  double lambda = 0;
   // An episode that ran into the time limit has a future: its last state counts with its value.
   // Without it the time limit is a true end, and a critic that cannot see the time goes astray.
-  bool bootstrap_at_time_limit;
+  bool bootstrap_at_time_limit = true;
+  bool normalise = true;  // for who calls normalise()
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    using threelink_sim::Range;
+    visit("discount", self.discount, Range<double>{0, 1, false, true}, "Gamma");
+    visit("lambda", self.lambda, Range<double>{0, 1}, "of GAE; 1: Monte-Carlo returns");
+    visit("bootstrap_at_time_limit", self.bootstrap_at_time_limit,
+          "the time limit cuts the episode, but ends nothing");
+    visit("normalise", self.normalise, "to mean 0 and deviation 1 in each update");
+  }
 };
 
 struct Advantages {

@@ -11,17 +11,31 @@
 
 #include "threelink_sim/environment.hpp"
 #include "threelink_sim/random.hpp"
+#include "threelink_sim/range.hpp"
 
 namespace threelink_agent {
 
 struct HomingConfig {
   // What the policy is shown. The critic, which only training needs, is shown "target" always.
   threelink_sim::ObservationKind observation = threelink_sim::ObservationKind::kTarget;
-  double direction_share = 0;  // of the episodes, without points, towards theta_T = 0; in [0, 1]
-  double nearest = 0;          // [L] a point's distance when it is drawn: log-uniform in [nearest,
-  double farthest = 0;         // farthest], at any bearing; 0 < nearest <= farthest <= 1e3
-  double threshold = 0;        // [L] nearer than this it is captured; in (0, 1e3]
-  double bonus = 0;            // reward of the capture, in [0, 1e6]
+  double direction_share = 0;
+  double nearest = 0;
+  double farthest = 0;
+  double threshold = 0;
+  double bonus = 0;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    using threelink_sim::Range;
+    visit("observation", self.observation, "what the policy is shown");
+    visit("direction_share", self.direction_share, Range<double>{0, 1},
+          "of the episodes, without points, towards theta_T = 0");
+    visit("nearest", self.nearest, Range<double>{1e-9, 1e3},
+          "[L] a point's distance when it is drawn: log-uniform, from this");
+    visit("farthest", self.farthest, Range<double>{1e-9, 1e3}, "[L] to this, at any bearing");
+    visit("threshold", self.threshold, Range<double>{1e-9, 1e3}, "[L] nearer than this: captured");
+    visit("bonus", self.bonus, Range<double>{0, 1e6}, "reward of the capture");
+  }
 };
 
 // The targets of episodes first .. first + lanes - 1 in the lanes of an environment, at rest in

@@ -2,68 +2,134 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "threelink_agent/mlp.hpp"
 #include "threelink_agent/policy.hpp"
+#include "threelink_agent/training/advantage.hpp"
 #include "threelink_agent/training/homing.hpp"
 #include "threelink_sim/environment.hpp"
-#include "threelink_sim/usage_error.hpp"
+#include "threelink_sim/fields.hpp"
+#include "threelink_sim/parameter_map.hpp"
 
 namespace threelink_agent {
 
 // A configuration that cannot be used; what() names the file, the key, its value and the bound. A
 // peer is told no value.
-class ConfigError : public threelink_sim::UsageError {
- public:
-  using UsageError::UsageError;
+using ConfigError = threelink_sim::ParameterError;
+
+// The version that to_yaml() writes. Files of version 1, which have no key `version`, have no
+// environment.joint_limit: theirs is 2 pi / 3.
+constexpr int kConfigVersion = 2;
+
+struct SymmetryConfig {
+  Symmetry canonical = Symmetry::kNone;
+  bool mirror = false;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    visit("canonical", self.canonical, "applied to what the networks see");
+    visit("mirror", self.mirror, "show a random half of the episodes mirrored");
+  }
+};
+
+struct ExplorationConfig {
+  bool learned = false;
+  double std = 0;
+  double std_final = 0;
+  double decay_fraction = 0;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    using threelink_sim::Range;
+    visit("learned", self.learned, "by gradient, from `std` on; else scheduled");
+    visit("std", self.std, Range<double>{1e-3, 10},
+          "[1/T0] of the noise on the rates, at the start");
+    if (self.learned) return;
+    visit("std_final", self.std_final, Range<double>{1e-3, 10}, "[1/T0] reached, log-linearly,");
+    visit("decay_fraction", self.decay_fraction, Range<double>{0, 1, true},
+          "after this fraction of the training");
+  }
+};
+
+struct UpdateConfig {
+  std::uint32_t episodes = 0;
+  std::uint32_t epochs = 0;
+  std::uint32_t minibatch = 0;
+  double clip = 0;
+  double entropy_weight = 0;
+  double max_gradient_norm = 0;
+  double actor_learning_rate = 0;
+  double critic_learning_rate = 0;
+  double final_learning_rate = 0;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    using threelink_sim::Range;
+    visit("episodes", self.episodes, Range<std::uint32_t>{1, 1'000'000},
+          "M, rolled out before each update");
+    visit("epochs", self.epochs, Range<std::uint32_t>{1, 1000},
+          "K, times that each sample is used");
+    visit("minibatch", self.minibatch, Range<std::uint32_t>{1, kMostSamples},
+          "[samples], of the M N_s");
+    visit("clip", self.clip, Range<double>{0, 1, true, true}, "epsilon of the ratio");
+    visit("entropy_weight", self.entropy_weight, Range<double>{0, 10}, "chi; needs a learned std");
+    visit("max_gradient_norm", self.max_gradient_norm, Range<double>{0, 1e9, true},
+          "of each network");
+    visit("actor_learning_rate", self.actor_learning_rate, Range<double>{0, 1, true},
+          "at the start");
+    visit("critic_learning_rate", self.critic_learning_rate, Range<double>{0, 1, true},
+          "at the start");
+    visit("final_learning_rate", self.final_learning_rate, Range<double>{0, 1},
+          "of both, at the end, as a fraction of the start");
+  }
+
+  static constexpr std::uint32_t kMostSamples = 10'000'000;
 };
 
 struct TrainConfig {
-  std::uint64_t seed = 0;            // of every random number; any value, 0 too; below 2^63
-  std::uint32_t episodes = 0;        // N_E, in [1, 1e8]
-  std::uint32_t evaluate_every = 0;  // [updates] between deterministic evaluations, at least 1
+  std::uint64_t seed = 0;            // of every random number; 0 is as good as any other
+  std::uint32_t episodes = 0;        // N_E
+  std::uint32_t evaluate_every = 0;  // [updates] between deterministic evaluations
 
-  // Links, drag ratio, dt, b, c and N_s. Its observation is what the critic is shown: "target" with
-  // homing, else "direction".
+  // Links, drag ratio, joint limit, dt, b, c and N_s. Its observation is what the critic is shown:
+  // "target" with homing, else "direction".
   threelink_sim::EnvironmentConfig environment;
 
   std::optional<HomingConfig> homing;  // points to reach; without them there is only a direction
 
-  // Widths of the tanh layers of actor and critic, 1 to 8 of them in [1, Mlp::kMaxWidth].
+  // Widths of the tanh layers of actor and critic, 1 to 8 of them.
   std::vector<int> hidden;
 
-  struct {
-    Symmetry canonical = Symmetry::kNone;  // applied to what the networks see
-    bool mirror = false;                   // show a random half of the episodes mirrored
-  } symmetry;
+  SymmetryConfig symmetry;
+  ExplorationConfig exploration;
+  AdvantageSettings advantage;
+  UpdateConfig update;
 
-  struct {
-    bool learned = false;       // by gradient, from `std` on; else scheduled
-    double std = 0;             // [1/T0] of the noise on the rates, at the start, in [1e-3, 10]
-    double std_final = 0;       // [1/T0] scheduled only, in [1e-3, 10]
-    double decay_fraction = 0;  // of the training after which std_final is reached, in (0, 1]
-  } exploration;
-
-  struct {
-    double discount = 0;                  // Gamma, in [0, 1)
-    double lambda = 0;                    // of GAE, in [0, 1]; 1: Monte-Carlo returns
-    bool bootstrap_at_time_limit = true;  // the time limit cuts the episode, but ends nothing
-    bool normalise = true;                // to mean 0 and deviation 1 in each update
-  } advantage;
-
-  struct {
-    std::uint32_t episodes = 0;       // M, rolled out before each update, in [1, 1e6]
-    std::uint32_t epochs = 0;         // K, in [1, 1000]
-    std::uint32_t minibatch = 0;      // [samples] in [1, M N_s]
-    double clip = 0;                  // epsilon, in (0, 1)
-    double entropy_weight = 0;        // chi, in [0, 10]; needs a learned std
-    double max_gradient_norm = 0;     // of each network, in (0, 1e9]
-    double actor_learning_rate = 0;   // at the start, in (0, 1]
-    double critic_learning_rate = 0;  // at the start, in (0, 1]
-    double final_learning_rate = 0;   // of both, at the end, as a fraction of the start; in [0, 1]
-  } update;
+  // version: of the file, whose keys these are.
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit, int version = kConfigVersion) {
+    using threelink_sim::Range;
+    constexpr auto kMaxSeed = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
+    visit("seed", self.seed, Range<std::uint64_t>{0, kMaxSeed}, "of every random number");
+    visit("episodes", self.episodes, Range<std::uint32_t>{1, 100'000'000}, "N_E");
+    visit("evaluate_every", self.evaluate_every, Range<std::uint32_t>{1, 1'000'000},
+          "[updates] between evaluations");
+    const auto of_version = [&](const std::string& name, auto& field, const auto&... rest) {
+      if (version >= 2 || name != "environment.joint_limit") visit(name, field, rest...);
+    };
+    threelink_sim::visit_section("environment", self.environment, of_version);
+    visit("hidden", self.hidden, Range<int>{1, Mlp::kMaxWidth},
+          "widths of the tanh layers of actor and critic");
+    threelink_sim::visit_section("symmetry", self.symmetry, visit);
+    threelink_sim::visit_section("exploration", self.exploration, visit);
+    threelink_sim::visit_section("advantage", self.advantage, visit);
+    threelink_sim::visit_section("update", self.update, visit);
+    if (self.homing) threelink_sim::visit_section("homing", *self.homing, visit);
+  }
 
   // Throws ConfigError that names key, value and bound.
   void validate() const;
@@ -85,9 +151,7 @@ TrainConfig parse_train_config(const std::string& yaml, const std::string& sourc
 std::string to_yaml(const TrainConfig& config);
 
 // The first key in which two configurations differ, with both values as to_yaml() writes them.
-struct ConfigDifference {
-  std::string key, a, b;
-};
-std::optional<ConfigDifference> first_difference(const TrainConfig& a, const TrainConfig& b);
+std::optional<threelink_sim::FieldDifference> first_difference(const TrainConfig& a,
+                                                               const TrainConfig& b);
 
 }  // namespace threelink_agent

@@ -13,10 +13,24 @@ namespace threelink_sim {
 struct SimulatorConfig {
   EnvironmentConfig environment;
   Scales scales;
-  double realtime_factor = 0;   // 0: as fast as possible
-  double peer_timeout = 0;      // [s] wall time
-  double watchdog_periods = 0;  // [action periods]
-  double display_rate = 0;      // [1/s] wall time
+  double realtime_factor = 1;
+  double peer_timeout = 10;
+  double watchdog_periods = 3;
+  double display_rate = 30;
+
+  template <class Self, class Visit>
+  static void fields(Self& self, Visit&& visit) {
+    EnvironmentConfig::swimmer_fields(self.environment, visit);
+    EnvironmentConfig::reward_fields(self.environment, visit, "reward_b", "reward_c");
+    visit("observation", self.environment.observation, "what the agent is shown");
+    visit("length_scale", self.scales.length, Range<double>{1e-9, 1e6}, "[m] of the length L");
+    visit("time_scale", self.scales.time, Range<double>{1e-3, 1e3}, "[s] of the time T0");
+    visit("realtime_factor", self.realtime_factor, Range<double>{0, 1e4},
+          "[s of simulation / s of wall time] pace; 0: as fast as possible");
+    visit("peer_timeout", self.peer_timeout, Range<double>{0.1, 1e5}, "[s] of wall time");
+    visit("watchdog_periods", self.watchdog_periods, Range<double>{1, 1e3}, "[action periods]");
+    visit("display_rate", self.display_rate, Range<double>{0.1, 1e3}, "[1/s] of wall time");
+  }
 
   // Length of an action step: simulation time [s], and wall time [s], 0 without a pace.
   double step_time() const { return environment.dt * scales.time; }
