@@ -105,7 +105,7 @@ class Sum(unittest.TestCase):
                              "fuzz) echo 3 passed, 0 failed ;; esac\n", encoding="utf-8")
             parts.chmod(0o755)
             return run("bash", "-c", "attend() { \"$@\"; }; root=$1; ros_prefix=; "
-                       f"set -euo pipefail; source {ROOT}/scripts/checks.bash; check \"${@:2}\"", "bash", root,
+                       f"set -euo pipefail; source {ROOT}/scripts/checks.bash; check \"${{@:2}}\"", "bash", root,
                        *arguments)
 
     def test_adds_up(self):
