@@ -64,6 +64,12 @@ def start(arguments=("__name:=simulator", "__ns:=threelink"), **environment):
                             universal_newlines=True, env=dict(os.environ, **environment))
 
 
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 def registered(uri):
     try:
         return rosgraph.Master("/test", master_uri=uri).lookupNode(NODE)
@@ -254,23 +260,25 @@ class SimulatorProcessTest(unittest.TestCase):
         return [(state.step, state.hinge_rates) for _, state in self.peers.states if state.step]
 
     def test_master_that_is_missing_or_goes_away(self):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
-        uri = "http://127.0.0.1:%d" % port
+        uri = "http://127.0.0.1:%d" % free_port()
         begun = time.monotonic()
         self.processes.append(start(ROS_MASTER_URI=uri))
         self.assert_ends(self.processes[-1], 75, "ROS_MASTER_URI=" + uri)
         self.assertLess(time.monotonic() - begun, 8)
 
-        master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)],
-                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.processes.append(master)
-        simulator = start(ROS_MASTER_URI=uri)
-        self.processes.append(simulator)
-        self.assertTrue(wait(lambda: registered(uri)))
-        master.kill()
-        self.assert_ends(simulator, 75, "the ROS master at " + uri)
+        # As soon as they are known, when some of them are about to set a parameter.
+        simulators = []
+        for _ in range(6):
+            port = free_port()
+            uri = "http://127.0.0.1:%d" % port
+            master = subprocess.Popen(["rosmaster", "--core", "-p", str(port)],
+                                      stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            simulators.append((start(ROS_MASTER_URI=uri), uri))
+            self.processes += [master, simulators[-1][0]]
+            self.assertTrue(wait(lambda: registered(uri)))
+            master.kill()
+        for simulator, uri in simulators:
+            self.assert_ends(simulator, 75, "the ROS master at " + uri)
 
 
 if __name__ == "__main__":

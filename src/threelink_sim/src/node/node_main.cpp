@@ -72,11 +72,13 @@ class MasterWatch {
       if (stop_requested && patience_ > 0 && !lost_) end_in_time();
       failures = registered() ? 0 : failures + 1;
       if (failures == kPatience && running()) {
-        ROS_FATAL("the ROS master at %s is gone, or was restarted; this node ends",
-                  ros::master::getURI().c_str());
         lost_ = true;
         stop_requested = true;
         ros::requestShutdown();  // calls to the master that wait for its return give up
+        // Not by the log: that reads a parameter, and so waits for ever if the main thread is about
+        // to set one, which waits for the master.
+        std::cerr << ros::this_node::getName() << ": the ROS master at " << ros::master::getURI()
+                  << " is gone, or was restarted; this node ends\n";
       }
     }
   }
