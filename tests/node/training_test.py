@@ -38,7 +38,7 @@ class TrainingTest(TrainingTestCase):
         for count in (1, 2, 5):
             while len(names) < count:
                 names.append("worker_%d" % len(names))
-                self.worker(names[-1], step_cost=20, threads=1 + len(names) % 2)
+                self.worker(names[-1], step_cost=150, threads=1 + len(names) % 2)
             self.assertTrue(wait(lambda: len({status.name for status in self.workers}) == count))
             self.batches.clear()
             run = "with_%d" % count
