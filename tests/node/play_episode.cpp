@@ -7,13 +7,13 @@
 #include <string>
 
 #include "threelink_agent/evaluate.hpp"
+#include "threelink_sim/task/plugins.hpp"
 #include "threelink_tasks/episode.hpp"
-#include "threelink_tasks/plugins.hpp"
 #include "threelink_tasks/task_factory.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 7) return 2;
-  threelink_tasks::load_task_plugins();
+  threelink_sim::load_task_plugins();
   const auto policy = threelink_agent::Policy::load(argv[1]);
   threelink_sim::ParameterMap parameters("parameters", YAML::Load(argv[5]));
   const double v_m = threelink_agent::evaluate(policy, 0, 0).speed;

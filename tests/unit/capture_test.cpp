@@ -1,5 +1,5 @@
 // When a swimmer has reached a point: at the ends of steps, and between them.
-#include "threelink_tasks/capture.hpp"
+#include "threelink_sim/task/capture.hpp"
 
 #include <limits>
 #include <stdexcept>
@@ -9,9 +9,9 @@
 namespace {
 
 using Eigen::Vector2d;
-using threelink_tasks::Capture;
-using threelink_tasks::CaptureParameters;
-using threelink_tasks::segment_distance;
+using threelink_sim::Capture;
+using threelink_sim::CaptureParameters;
+using threelink_sim::segment_distance;
 
 TEST(SegmentDistance, IsThatOfTheNearestPoint) {
   const Vector2d from(1, 1), to(4, 5);                                // of length 5

@@ -64,8 +64,8 @@ class DispatcherTest : public testing::Test {
     const Policy policy = trainer.policy();
     player_.load(policy.serialize(), "test");
     update_ = {version, sha256(policy.serialize()), version * kEpisodes, kEpisodes};
-    play_ = Play{config.environment, config.homing, config.symmetry.canonical, policy.actor(),
-                 policy.log_std(),   config.seed,   update_.first_episode};
+    play_ = Play{config.environment, config.goal, config.symmetry.canonical, policy.actor(),
+                 policy.log_std(),   config.seed, update_.first_episode};
     expected_ = LocalRollouts(1).play(*play_, kEpisodes);
     dispatcher_.open(update_, Rollout(config.environment, kEpisodes), play_);
   }

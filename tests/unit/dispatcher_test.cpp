@@ -654,7 +654,7 @@ TEST(RemoteRolloutsTest, WaitsForWorkersThatAreSetAside) {
   });
   const Time begin = std::chrono::steady_clock::now();
   const Policy policy = threelink_tests::trainer_of(config).policy();
-  source->play(Play{config.environment, config.homing, config.symmetry.canonical, policy.actor(),
+  source->play(Play{config.environment, config.goal, config.symmetry.canonical, policy.actor(),
                     policy.log_std(), config.seed, 0},
                config.update.episodes);
   EXPECT_GE(std::chrono::steady_clock::now() - begin, 250ms);

@@ -33,8 +33,9 @@ Played play(std::uint64_t seed, bool sampled = false) {
   Environment environment(EnvironmentConfig(), 1);
   const auto policy = random_policy(1);
   Played played;
-  played.result = run_episode(*task, environment, policy, seed, 1, sampled,
-                              [&](const EpisodeStep& step) { played.steps.push_back(step); });
+  played.result =
+      threelink_tasks::run_episode(*task, environment, policy, seed, 1, sampled,
+                                   [&](const EpisodeStep& step) { played.steps.push_back(step); });
   return played;
 }
 
@@ -88,11 +89,13 @@ TEST(EpisodeTest, RefusesWhatDoesNotFit) {
   const auto policy = random_policy(1);
   const auto ignore = [](const EpisodeStep&) {};
   Environment two_lanes(EnvironmentConfig(), 2);
-  EXPECT_THROW(run_episode(*task, two_lanes, policy, 0, 1, false, ignore), std::invalid_argument);
+  EXPECT_THROW(threelink_tasks::run_episode(*task, two_lanes, policy, 0, 1, false, ignore),
+               std::invalid_argument);
   EnvironmentConfig four_links;
   four_links.model.links = 4;
   Environment longer(four_links, 1);
-  EXPECT_THROW(run_episode(*task, longer, policy, 0, 1, false, ignore), std::invalid_argument);
+  EXPECT_THROW(threelink_tasks::run_episode(*task, longer, policy, 0, 1, false, ignore),
+               std::invalid_argument);
 }
 
 }  // namespace

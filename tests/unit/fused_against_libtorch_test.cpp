@@ -55,7 +55,7 @@ TEST(FusedUpdate, GradientOfOtherShapes) {
     expect_same_gradient(one_step({64, 64}, 2), 3, isa);
     expect_same_gradient(one_step({32, 48}, 7), 4, isa);
     TrainConfig homing = one_step();  // the critic is shown more than the actor
-    homing.homing = HomingConfig{threelink_sim::ObservationKind::kDirection, 0.5, 0.1, 0.1, 0.1, 1};
+    homing.goal.points = threelink_sim::PointsGoal{0.5, 0.1, 0.1, 0.1, 1};
     homing.environment.observation = threelink_sim::ObservationKind::kTarget;
     expect_same_gradient(homing, 6, isa);
     // Log-probabilities are about 60 here, and their roundings, 31 of 2^-24 * 60, are relative

@@ -22,7 +22,9 @@ class LiveEpisodeTest : public testing::Test {
  protected:
   static Play play_of(int links) {
     const Policy policy = threelink_tests::random_policy(1, Symmetry::kReversal, links);
-    Play play{{}, std::nullopt, Symmetry::kReversal, policy.actor(), policy.log_std(), 7, 40};
+    Play play{
+        {}, threelink_sim::GoalConfig(), Symmetry::kReversal, policy.actor(), policy.log_std(), 7,
+        40};
     play.environment.model.links = links;
     play.environment.steps = 60;
     return play;

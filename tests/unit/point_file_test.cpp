@@ -1,5 +1,5 @@
 // Files of points: good ones, and bad ones refused with file and line.
-#include "threelink_tasks/point_file.hpp"
+#include "threelink_sim/task/point_file.hpp"
 
 #include <cstdio>
 #include <fstream>
@@ -14,7 +14,7 @@
 namespace {
 
 using Eigen::Vector2d;
-using threelink_tasks::read_point_file;
+using threelink_sim::read_point_file;
 
 std::vector<Vector2d> read(const std::string& name, const std::string& contents) {
   const std::string path = testing::TempDir() + name;
@@ -69,7 +69,7 @@ TEST(PointFile, RefusesWithFileAndLine) {
   for (const std::string path : {"/no/such/file.csv", "/", "/dev/null", "/dev/zero"})
     EXPECT_THROW(read_point_file(path), threelink_sim::UsageError) << path;
   std::string many;
-  for (std::size_t i = 0; i <= threelink_tasks::kMaxPoints; ++i) many += "1,2\n";
+  for (std::size_t i = 0; i <= threelink_sim::kMaxPoints; ++i) many += "1,2\n";
   EXPECT_NE(refusal("c.csv", many).find(":10001: more than 10000 points"), std::string::npos);
 }
 
@@ -81,7 +81,7 @@ TEST(PointFile, PeersAreToldTheLineAndNotTheContents) {
       {"s.yaml", "\"\\secret\"\n"}};
   for (const auto& [name, contents] : cases) {
     try {
-      threelink_tasks::parse_points(contents, "/path/" + name);
+      threelink_sim::parse_points(contents, "/path/" + name);
       FAIL() << contents;
     } catch (const threelink_sim::UsageError& error) {
       const std::string& told = error.for_peers();

@@ -337,11 +337,11 @@ TEST(PolicyFile, WrongMetadataIsRefusedAndNamed) {
         Case{"format", nullptr, "missing"}, Case{"observation", "camera", "direction"},
         Case{"observation", nullptr, "missing"}, Case{"action", "torques", "hinge_rates"},
         Case{"links", "4", "odd"}, Case{"links", "3.5", "whole"}, Case{"links", "1e30", "whole"},
-        Case{"links", "three", "number"}, Case{"links", "1", "[2, 32]"}, Case{"dt", "0", "[0.001, 1]"},
-        Case{"dt", "nan", "number"}, Case{"dt", "0.1s", "number"}, Case{"dt", nullptr, "missing"},
-        Case{"gamma", "-0.5", "[0.001, 10]"}, Case{"symmetry", "rotation", "reversal"},
-        Case{"actions", "guessed", "sampled"}, Case{"config", nullptr, "missing"},
-        Case{"symetry", "none", "not known"}}) {
+        Case{"links", "three", "number"}, Case{"links", "1", "[2, 32]"},
+        Case{"dt", "0", "[0.001, 1]"}, Case{"dt", "nan", "number"}, Case{"dt", "0.1s", "number"},
+        Case{"dt", nullptr, "missing"}, Case{"gamma", "-0.5", "[0.001, 10]"},
+        Case{"symmetry", "rotation", "reversal"}, Case{"actions", "guessed", "sampled"},
+        Case{"config", nullptr, "missing"}, Case{"symetry", "none", "not known"}}) {
     const std::string text = refusal_after([&](Container& container) {
       if (wrong.value)
         container.metadata[wrong.key] = wrong.value;

@@ -30,8 +30,7 @@ inline threelink_agent::TrainConfig small(std::uint64_t seed = 0) {
 inline threelink_agent::TrainConfig small_homing(std::uint64_t seed = 0) {
   threelink_agent::TrainConfig config = small(seed);
   config.environment.observation = threelink_sim::ObservationKind::kTarget;
-  config.homing = threelink_agent::HomingConfig{
-      threelink_sim::ObservationKind::kDirection, 0.3, 0.002, 0.02, 0.004, 1.5};
+  config.goal.points = threelink_sim::PointsGoal{0.3, 0.002, 0.02, 0.004, 1.5};
   return config;
 }
 

@@ -45,7 +45,7 @@ class StructureTest(unittest.TestCase):
         # Debian keeps ROS headers in /usr/include: a core that includes one would compile.
         checked = 0
         for package in ("threelink_sim", "threelink_agent", "threelink_tasks"):
-            for path in files(package, "src/core", "src/kernel", "src/training",
+            for path in files(package, "src/core", "src/goal", "src/kernel", "src/task", "src/training",
                               "src/distributed", "include"):
                 checked += 1
                 with open(path) as file:

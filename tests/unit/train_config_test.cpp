@@ -64,7 +64,8 @@ TEST(TrainConfig, ReadsEveryKey) {
 TEST(TrainConfig, VersionTwoHasTheJointLimitAndVersionOneMeansItsDefault) {
   const TrainConfig old = parse_train_config(kValid, "test");
   EXPECT_EQ(old.environment.model.joint_limit, threelink_sim::Model().joint_limit);
-  std::string yaml = "version: 2\n" + with("dt: 0.1,", "dt: 0.1, joint_limit: 1.5,");
+  const std::string yaml = "version: 2\nobservation: direction\ngoal: {kind: direction}\n" +
+                           with("dt: 0.1,", "dt: 0.1, joint_limit: 1.5,");
   const TrainConfig config = parse_train_config(yaml, "test");
   EXPECT_EQ(config.environment.model.joint_limit, 1.5);
   EXPECT_EQ(to_yaml(config).rfind("version: 2\n", 0), 0u);
@@ -100,25 +101,23 @@ homing:
 TEST(TrainConfig, HomingIsASectionThatMayBeLeftOut) {
   using threelink_sim::ObservationKind;
   const TrainConfig without = parse_train_config(kValid, "test");
-  EXPECT_FALSE(without.homing);
+  EXPECT_FALSE(without.goal.has_target());
   EXPECT_EQ(without.environment.observation, ObservationKind::kDirection);
   const TrainConfig with = parse_train_config(kValid + kHoming, "test");
-  ASSERT_TRUE(with.homing);
-  EXPECT_EQ(with.homing->observation, ObservationKind::kDirection);
-  EXPECT_EQ(with.actor_observation(), ObservationKind::kDirection);
+  ASSERT_TRUE(with.goal.points);
+  EXPECT_EQ(with.observation, ObservationKind::kDirection);
   EXPECT_EQ(with.environment.observation, ObservationKind::kTarget);  // the critic's
-  EXPECT_EQ(with.homing->direction_share, 0.7);
-  EXPECT_EQ(with.homing->threshold, 0.002);
+  EXPECT_EQ(with.goal.points->direction_share, 0.7);
+  EXPECT_EQ(with.goal.points->threshold, 0.002);
   EXPECT_EQ(to_yaml(parse_train_config(to_yaml(with), "test")), to_yaml(with));
-  EXPECT_EQ(to_yaml(with).find(to_yaml(without)), 0u);
 
   for (const bool swapped : {false, true}) {
     const auto difference =
         swapped ? first_difference(with, without) : first_difference(without, with);
     ASSERT_TRUE(difference);
-    EXPECT_EQ(difference->name, "homing.observation");
-    EXPECT_EQ(swapped ? difference->b : difference->a, "nothing");
-    EXPECT_EQ(swapped ? difference->a : difference->b, "direction");
+    EXPECT_EQ(difference->name, "goal.kind");
+    EXPECT_EQ(swapped ? difference->b : difference->a, "\"direction\"");
+    EXPECT_EQ(swapped ? difference->a : difference->b, "\"points\"");
   }
 }
 
@@ -143,11 +142,11 @@ TEST(TrainConfig, RefusesHomingThatCannotBe) {
          "homing.direction_share = 1.1: must be in");
   expect("nearest: 0.001", "nearest: 0.0", "homing.nearest = 0.0: must be in");
   expect("farthest: 0.5", "farthest: 0.0005",
-         "homing.farthest = 0.0005: must be at least homing.nearest = 0.001");
+         "goal.farthest = 0.0005: must be at least goal.nearest = 0.001");
   expect("threshold: 0.002", "threshold: .nan", "homing.threshold = .nan: must be finite");
   expect("observation: direction", "observation: camera",
          "homing.observation = camera: must be one of: direction, target");
-  expect(kHoming, "\nhoming: 1\n", "homing: unknown key");
+  expect(kHoming, "\nhoming: 1\n", "homing = 1: must be a map of keys to values");
 }
 
 TEST(TrainConfig, LearnedStdHasNoSchedule) {
@@ -194,8 +193,10 @@ const Refusal kRefusals[] = {
     {"seed: 3", "version: 1\nseed: 3", "version = 1: must be in \\[2, 2\\]"},
     {"seed: 3", "version: 3\nseed: 3", "version = 3: must be in \\[2, 2\\]"},
     {"seed: 3", "version: 2\nseed: 3", "environment.joint_limit: missing"},
-    {"seed: 3", "seed: 3\nhoming: {}", "homing: unknown key"},
+    {"seed: 3", "seed: 3\nhoming: {}", "homing.observation: missing"},
     {"seed: 3", "seed: 3\nnothing: {}", "nothing: unknown key"},
+    {"seed: 3", "seed: 3\ngoal: {kind: points}", "goal: is a key of version 2"},
+    {"seed: 3", "version: 2\nseed: 3\nhoming: {bonus: 1.0}", "homing: is of version 1"},
     // Type
     {"1.0e-3", "'1.0e-3'", "update.actor_learning_rate = .*a number"},
     {"1.0e-3", "fast", "update.actor_learning_rate = fast: must be a number"},
@@ -377,8 +378,7 @@ TEST(TrainConfig, ShippedOnesAreValid) {
   for (const auto& [file, observation] :
        {std::pair{"/train_homing.yaml", threelink_sim::ObservationKind::kTarget},
         std::pair{"/train_homing_direction.yaml", threelink_sim::ObservationKind::kDirection}})
-    EXPECT_EQ(load_train_config(THREELINK_CONFIG + std::string(file)).actor_observation(),
-              observation);
+    EXPECT_EQ(load_train_config(THREELINK_CONFIG + std::string(file)).observation, observation);
 }
 
 TEST(TrainConfig, ThePapersSettingsAreThePapers) {

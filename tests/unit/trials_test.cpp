@@ -43,8 +43,8 @@ TEST(Trials, HaveTheBitsOfSingleEpisodes) {
     for (int i = 0; i < config.trials; ++i) {
       const auto task = make();
       threelink_sim::Environment environment(policy.metadata().environment(), 1);
-      const auto single = run_episode(*task, environment, policy, config.seed, i + 1, c.sampled,
-                                      [](const EpisodeStep&) {});
+      const auto single = threelink_tasks::run_episode(*task, environment, policy, config.seed,
+                                                       i + 1, c.sampled, [](const EpisodeStep&) {});
       EXPECT_EQ(trials[i].outcome, single.outcome) << c.task << i;
       EXPECT_EQ(trials[i].measures.steps, single.measures.steps) << c.task << i;
       EXPECT_EQ(trials[i].measures.distance, single.measures.distance) << c.task << i;

@@ -96,7 +96,7 @@ class Policy {
   // The same with noise: the mean plus exp(log_std) times standard normals (Stream::kExploration),
   // then clipped. Normal d of the key goes to hinge d of the swimmer as the network sees it.
   void sample(const double* observation, const ActionKey& key, double* rates) const;
-  // keys (n); the same bits for each lane.
+  // keys (n), or null for the mean; the same bits for each lane.
   void sample(std::size_t n, const double* observations, const ActionKey* keys, double* rates,
               std::vector<float>& scratch) const;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "threelink_agent/actor.hpp"
 #include "threelink_sim/environment.hpp"
 
 namespace threelink_agent {
@@ -45,13 +46,10 @@ std::vector<Track> play(const Policy& policy, const std::vector<SwimmerState>& s
       tracks[i].work.push_back(work[i]);
     }
   };
-  std::vector<double> observations(n * policy.observation_size()), rates(n * policy.hinges());
-  std::vector<float> scratch;
+  Actor actor(policy);
   record();
   for (int step = 0; step < kEvaluationSteps; ++step) {
-    environment.observe(observations.data());
-    policy.act(n, observations.data(), rates.data(), scratch);
-    environment.step(rates.data());
+    environment.step(actor.act(environment));
     for (std::size_t i = 0; i < n; ++i) work[i] += environment.batch().work()[i];
     record();
   }

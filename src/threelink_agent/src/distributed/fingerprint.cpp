@@ -30,13 +30,13 @@ Linear random_layer(int inputs, int outputs, threelink_sim::Random& random) {
 }
 
 // Plays nine episodes, more than a register holds; eight of them side by side, one alone.
-std::string hash_of_episodes(int links, std::optional<HomingConfig> homing = {}) {
+std::string hash_of_episodes(int links, std::optional<threelink_sim::PointsGoal> points = {}) {
   constexpr int kWidth = 64, kTogether = 8, kAlone = 1;
   Play play{};
   play.environment.model.links = links;
   play.environment.steps = 25;
-  if (homing) play.environment.observation = threelink_sim::ObservationKind::kTarget;
-  play.homing = homing;
+  if (points) play.environment.observation = threelink_sim::ObservationKind::kTarget;
+  play.goal.points = points;
   play.canonical = Symmetry::kReversal;
   const int hinges = play.environment.model.hinges();
   threelink_sim::Random random(1, threelink_sim::Stream::kInitialisation, 0);
@@ -57,8 +57,13 @@ std::string hash_of_episodes(int links, std::optional<HomingConfig> homing = {})
 }  // namespace
 
 std::string fingerprint() {
-  const HomingConfig homing{threelink_sim::ObservationKind::kTarget, 0.2, 0.002, 0.02, 0.004, 1.5};
-  return sha256(hash_of_episodes(3) + hash_of_episodes(5) + hash_of_episodes(3, homing));
+  threelink_sim::PointsGoal points;
+  points.direction_share = 0.2;
+  points.nearest = 0.002;
+  points.farthest = 0.02;
+  points.threshold = 0.004;
+  points.bonus = 1.5;
+  return sha256(hash_of_episodes(3) + hash_of_episodes(5) + hash_of_episodes(3, points));
 }
 
 }  // namespace threelink_agent

@@ -15,7 +15,7 @@ void LeasePlayer::load(const std::string& bytes, const std::string& source) {
     yaml_ = yaml;
   }
   play_ = Play{config_.environment,
-               config_.homing,
+               config_.goal,
                config_.symmetry.canonical,
                policy.actor(),
                policy.log_std(),

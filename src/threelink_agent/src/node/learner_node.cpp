@@ -11,6 +11,7 @@
 #include "threelink_agent/training/run_lock.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
+#include "threelink_sim/task/plugins.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -74,6 +75,7 @@ Parameters read_parameters() {
 }
 
 int run() {
+  threelink_sim::load_task_plugins();  // as goals of trainings
   const Parameters parameters = read_parameters();
   log_reach();
   ros::AsyncSpinner spinner(1);

@@ -80,7 +80,9 @@ Rollout LiveLoop::play(const Play& play, int episodes) {
 
 // The swimmer may have been started anew, with other parameters.
 void LiveLoop::check_swimmer(const Play& play) {
-  if (play.homing) throw NoRollout("a topic loop trains directions, not points (homing)");
+  if (play.goal.has_target())
+    throw NoRollout(
+        fmt::format("a topic loop trains directions, not the goal {}", play.goal.kind()));
   const std::string name = ros::names::resolve(config_.simulator);
   if (!ros::param::has(name))
     throw NoRollout(fmt::format("there are no parameters of a node {} (~simulator)", name));

@@ -96,7 +96,7 @@ double actor_latency(double seconds) {  // [s]
 double rollout_speed(double seconds) {  // [steps/s]
   const TrainConfig c = config();
   const Policy policy = untrained_policy();
-  Play play{c.environment, c.homing, c.symmetry.canonical, policy.actor(), policy.log_std(), 0, 0};
+  Play play{c.environment, c.goal, c.symmetry.canonical, policy.actor(), policy.log_std(), 0, 0};
   Rollout rollout(c.environment, kEpisodes);
   return kEpisodes * kSteps * calls_per_second(seconds, [&] {
            collect(play, 0, kEpisodes, rollout);

@@ -64,7 +64,7 @@ bool LearnerState::all_finite() const {
 LearnerState initial_state(const TrainConfig& config) {
   const int hinges = config.environment.model.hinges();
   LearnerState state;
-  state.parameters.actor = initial_layers(config, config.actor_observation(), hinges, kActor, 0.01);
+  state.parameters.actor = initial_layers(config, config.observation, hinges, kActor, 0.01);
   state.parameters.log_std =
       Eigen::VectorXf::Constant(hinges, static_cast<float>(std::log(config.exploration.std)));
   state.parameters.critic = initial_layers(config, config.environment.observation, 1, kCritic, 1.0);

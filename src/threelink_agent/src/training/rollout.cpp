@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 #include "threelink_agent/symmetry.hpp"
 #include "threelink_agent/training/gaussian.hpp"
@@ -88,10 +87,8 @@ void RolloutActor::earn(int t, const double* rewards) {
 void collect(const Play& play, int begin, int end, Rollout& rollout) {
   const int n = end - begin;
   Environment environment(play.environment, n);
-  for (int i = 0; i < n; ++i) environment.reset(i, start_of(play, begin + i));
-  std::optional<HomingTargets> targets;
-  if (play.homing)
-    targets.emplace(*play.homing, play.seed, play.first_episode + begin, environment);
+  const auto goals =
+      threelink_sim::make_goals(play.goal, play.seed, play.first_episode + begin, environment);
   RolloutActor actor(play, begin, end, rollout);
   std::vector<double> observed(rollout.observation_size * n);
   const auto observe = [&](int t) {
@@ -102,10 +99,7 @@ void collect(const Play& play, int begin, int end, Rollout& rollout) {
     observe(t);
     environment.step(actor.act(t));
     const std::size_t at = std::size_t(t) * rollout.episodes + begin;
-    if (targets)
-      targets->after_step(t, &rollout.rewards[at], &rollout.captured[at]);
-    else
-      actor.earn(t, environment.rewards());
+    goals->after_step(t, &rollout.rewards[at], &rollout.captured[at]);
   }
   observe(rollout.steps);
 }

@@ -23,24 +23,49 @@ template <class Value>
 
 // A file of version 1 has no key for it.
 int read_version(ParameterMap& map) {
-  if (!map.has("version")) {
-    if (map.has("environment.joint_limit"))
-      map.refuse("environment.joint_limit", "is a key of version 2: write `version: 2`, too");
-    return 1;
-  }
-  return map.integer("version", {2, kConfigVersion});
+  if (map.has("version")) return map.integer("version", {2, kConfigVersion});
+  for (const char* name : {"environment.joint_limit", "observation", "goal"})
+    if (map.has_section(name)) map.refuse(name, "is a key of version 2: write `version: 2`, too");
+  return 1;
+}
+
+// The goal and the observation of version 1.
+void read_homing(ParameterMap& map, TrainConfig& config) {
+  ParameterMap section = map.section("homing");
+  const FieldReader read(section);
+  read("observation", config.observation, "");
+  threelink_sim::PointsGoal::fields(config.goal.points.emplace(), read);
+  map.finish();  // first, since what is not known says more than what is missing
+  section.finish();
+}
+
+FieldTexts texts_of(const TrainConfig& config) {
+  FieldTexts texts = threelink_sim::field_texts(config);
+  for (const auto& [name, value] : threelink_sim::field_texts(config.goal))
+    texts.emplace_back("goal." + name, value);
+  if (config.goal.task)
+    for (const auto& [name, value] : config.goal.task->parameters)
+      texts.emplace_back("goal." + name, value);
+  return texts;
 }
 
 }  // namespace
 
 void TrainConfig::validate() const {
   threelink_sim::check_fields<ConfigError>(*this);
-  const auto critic = homing ? ObservationKind::kTarget : ObservationKind::kDirection;
-  if (environment.observation != critic)
-    refuse("environment.observation", to_string(environment.observation), to_string(critic));
-  if (homing && homing->farthest < homing->nearest)
-    refuse("homing.farthest", homing->farthest,
-           fmt::format("at least homing.nearest = {}", homing->nearest));
+  try {
+    threelink_sim::check_fields<ConfigError>(goal);
+  } catch (const ConfigError& error) {
+    throw ConfigError(std::string("goal.") + error.what(), "goal." + error.for_peers());
+  }
+  if (environment.observation != critic_observation())
+    refuse("the critic's observation", to_string(environment.observation),
+           to_string(critic_observation()));
+  if (observation == ObservationKind::kTarget && !goal.has_target())
+    refuse("observation", to_string(observation), "direction, since the goal has no target");
+  if (goal.points && goal.points->farthest < goal.points->nearest)
+    refuse("goal.farthest", goal.points->farthest,
+           fmt::format("at least goal.nearest = {}", goal.points->nearest));
   if (hidden.empty() || hidden.size() > 8)
     refuse("hidden", fmt::format("{} layers", hidden.size()), "1 to 8 layers");
   if (symmetry.canonical == Symmetry::kReversal && environment.model.links % 2 == 0)
@@ -63,12 +88,20 @@ TrainConfig parse_train_config(const std::string& yaml, const std::string& sourc
   ParameterMap map = threelink_sim::parse_config(source, yaml, kLimits);
   const int version = read_version(map);
   TrainConfig config;
-  if (map.has_section("homing")) {
-    config.homing.emplace();
-    config.environment.observation = ObservationKind::kTarget;
-  }
   TrainConfig::fields(config, FieldReader(map), version);
+  if (version == 1 && map.has_section("homing")) {
+    read_homing(map, config);
+  } else if (version >= 2) {
+    if (map.has_section("homing"))
+      map.refuse("homing",
+                 "is of version 1; now it is `goal: {kind: points, ..}`, and observation");
+    ParameterMap section = map.section("goal");
+    config.goal = threelink_sim::read_goal(section, config.environment.dt);
+    map.finish();
+    section.finish();
+  }
   map.finish();
+  config.environment.observation = config.critic_observation();
   try {
     config.validate();
   } catch (const ConfigError& error) {
@@ -86,14 +119,12 @@ TrainConfig load_train_config(const std::string& path) {
 }
 
 std::string to_yaml(const TrainConfig& config) {
-  return fmt::format("version: {}\n", kConfigVersion) +
-         threelink_sim::to_yaml(threelink_sim::field_texts(config));
+  return fmt::format("version: {}\n", kConfigVersion) + threelink_sim::to_yaml(texts_of(config));
 }
 
 std::optional<threelink_sim::FieldDifference> first_difference(const TrainConfig& a,
                                                                const TrainConfig& b) {
-  return threelink_sim::first_difference(threelink_sim::field_texts(a),
-                                         threelink_sim::field_texts(b));
+  return threelink_sim::first_difference(texts_of(a), texts_of(b));
 }
 
 }  // namespace threelink_agent

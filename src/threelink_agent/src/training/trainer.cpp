@@ -84,7 +84,7 @@ UpdateReport Trainer::update() {
   const std::uint32_t first = state_.update * config_.update.episodes;
   const auto episodes = std::min(config_.update.episodes, config_.episodes - first);
   const Play play{
-      config_.environment, config_.homing, config_.symmetry.canonical, ppo_->actor(), log_std,
+      config_.environment, config_.goal, config_.symmetry.canonical, ppo_->actor(), log_std,
       config_.seed,        first};
   Rollout rollout = play_or_restore(play, static_cast<int>(episodes));
   if (config_.symmetry.mirror) mirror_half(rollout, config_.seed, first);
@@ -159,7 +159,7 @@ Policy Trainer::policy() const {
 Evaluation Trainer::evaluate_present() {
   const Policy present = policy();
   Evaluation evaluation = evaluate(present, 0, config_.seed);
-  if (config_.homing) {  // see Trainer::best()
+  if (config_.goal.has_target()) {  // see Trainer::best()
     state_.best = BestPolicy{present, objective(evaluation, config_.environment)};
     return evaluation;
   }
@@ -188,8 +188,8 @@ double score(const Evaluation& evaluation, const threelink_sim::EnvironmentConfi
 
 PolicyMetadata policy_metadata(const TrainConfig& config) {
   PolicyMetadata metadata;
-  metadata.observation = config.actor_observation();
-  metadata.sampled = config.homing.has_value();  // the noise breaks the orbits around a point
+  metadata.observation = config.observation;
+  metadata.sampled = config.goal.has_target();  // the noise breaks the orbits around a point
   metadata.links = config.environment.model.links;
   metadata.dt = config.environment.dt;
   metadata.gamma = config.environment.model.gamma;

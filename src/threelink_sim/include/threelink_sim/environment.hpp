@@ -53,6 +53,15 @@ struct EnvironmentConfig {
 // other.
 std::string swimmer_difference(const EnvironmentConfig& found, const EnvironmentConfig& wanted);
 
+// A state, and what the step that led to it did.
+struct StepRecord {
+  SwimmerState state;
+  HingeVector hinge_rates;  // [1/T0] (N-1) held in that step, after the joint limit cut them
+  double power = 0;         // [C_perp L^3/T0^2] rate of work for these rates in this shape
+  double work = 0;          // [C_perp L^3/T0] of that step
+  double reward = 0;        // [1] b dx.p - c W of that step
+};
+
 class Environment {
  public:
   Environment(const EnvironmentConfig& config, std::size_t lanes,
@@ -73,7 +82,8 @@ class Environment {
   // reward: a point [L], or [1] the unit vector p to one infinitely far away.
   void aim(std::size_t i, const Eigen::Vector2d& target);
   void set_direction(std::size_t i, const Eigen::Vector2d& p);
-  Eigen::Vector2d direction(std::size_t i) const { return {px_[i], py_[i]}; }  // p
+  Eigen::Vector2d direction(std::size_t i) const { return {px_[i], py_[i]}; }               // p
+  Eigen::Vector2d centroid(std::size_t i) const { return {batch_.x()[i], batch_.y()[i]}; }  // [L]
   double distance(std::size_t i) const { return distance_[i]; }  // [L] when it was set
 
   // The observation of every lane, component k of lane i at out[k * lanes() + i], with
@@ -84,6 +94,9 @@ class Environment {
   // joint limit. Must be finite. rewards()[i] is then b dx.p - c W of the step.
   void step(const double* rates);
   const double* rewards() const { return reward_.data(); }
+
+  // Of lane i; after reset() no step has led to its state, and rates, power, work and reward are 0.
+  StepRecord record(std::size_t i) const;
 
  private:
   EnvironmentConfig config_;

@@ -64,6 +64,9 @@ class FieldReader {
   void operator()(const std::string& name, bool& field, const char* /*meaning*/) const {
     field = map_.flag(name, default_of(field));
   }
+  void operator()(const std::string& name, std::string& field, const char* /*meaning*/) const {
+    field = map_.text(name, default_of(field));
+  }
   void operator()(const std::string& name, std::vector<int>& field, const Range<int>& range,
                   const char* /*meaning*/) const {
     field = map_.integers(name, range);
@@ -124,6 +127,7 @@ void check_fields(const Struct& checked) {
 
 inline std::string field_yaml(double value) { return yaml_number(value); }
 inline std::string field_yaml(bool value) { return value ? "true" : "false"; }
+inline std::string field_yaml(const std::string& value) { return yaml_text(value); }
 inline std::string field_yaml(const std::vector<int>& values) {
   return fmt::format("[{}]", fmt::join(values, ", "));
 }

@@ -73,7 +73,10 @@ class ParameterMap {
   bool has(const std::string& name) const { return values_.IsMap() && values_[name]; }
 
   // Whether a file has a section of that name, or a value in its place.
-  bool has_section(const std::string& section) const;
+  bool has_section(const std::string& name) const;
+  // The names in that section of a file, without "NAME." before them, for a reader of its own, who
+  // calls its finish().
+  ParameterMap section(const std::string& name);
 
   // To be called after the last getter: refuses parameters that no getter asked for, and names the
   // nearest one that exists; then what a file lacks.
@@ -94,6 +97,10 @@ class ParameterMap {
   // What the getters returned, in the order of the calls: a line "NAME: VALUE" of YAML each, which
   // reads back to the same values, to the bit.
   std::string effective(const std::string& indent = "") const;
+  // The same as names and values.
+  const std::vector<std::pair<std::string, std::string>>& effective_values() const {
+    return effective_;
+  }
 
  private:
   // Undefined if it is absent and may be, and if a file lacks it.
@@ -108,6 +115,7 @@ class ParameterMap {
   Value keep(const std::string& name, const Value& value, const std::string& yaml);
 
   std::string scope_;
+  std::string section_;  // with the dot after it, or empty
   YAML::Node values_;
   Style style_;
   std::set<std::string> known_;

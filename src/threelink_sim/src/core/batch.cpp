@@ -22,6 +22,7 @@ void Batch::set_state(std::size_t i, const SwimmerState& state) {
   y_[i] = state.centroid.y();
   heading_[i] = state.heading;
   for (int j = 0; j < model_.hinges(); ++j) alpha_[j * n_ + i] = state.alpha[j];
+  work_[i] = 0;
 }
 
 SwimmerState Batch::state(std::size_t i) const {

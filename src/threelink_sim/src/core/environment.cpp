@@ -49,6 +49,7 @@ Environment::Environment(const EnvironmentConfig& config, std::size_t lanes, con
 
 void Environment::reset(std::size_t i, const SwimmerState& state) {
   batch_.set_state(i, state);
+  for (int j = 0; j < config_.model.hinges(); ++j) batch_.rates(j)[i] = 0;
   set_direction(i, {1.0, 0.0});
   reward_[i] = 0.0;
 }
@@ -98,6 +99,17 @@ void Environment::step(const double* rates) {
   const double* work = batch_.work();
   for (std::size_t i = 0; i < n; ++i)
     reward_[i] = config_.b * (dx[i] * px_[i] + dy[i] * py_[i]) - config_.c * work[i];
+}
+
+StepRecord Environment::record(std::size_t i) const {
+  StepRecord record;
+  record.state = batch_.state(i);
+  record.hinge_rates.resize(config_.model.hinges());
+  for (int j = 0; j < config_.model.hinges(); ++j) record.hinge_rates[j] = batch_.rates(j)[i];
+  record.power = body_motion(config_.model, record.state.alpha, record.hinge_rates).power;
+  record.work = batch_.work()[i];
+  record.reward = reward_[i];
+  return record;
 }
 
 SwimmerState random_start(const Model& model, std::uint64_t seed, std::uint32_t episode) {

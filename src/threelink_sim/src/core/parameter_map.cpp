@@ -150,7 +150,7 @@ std::string ParameterMap::described(const YAML::Node& value) const {
 
 ParameterError ParameterMap::error(const std::string& name, const std::string& value,
                                    const std::string& reason) const {
-  const std::string key = style_ == Style::kFile ? fmt::format("{}: {}", scope_, name)
+  const std::string key = style_ == Style::kFile ? fmt::format("{}: {}{}", scope_, section_, name)
                                                  : fmt::format("{}/{}", scope_, name);
   const std::string text = fmt::format("{}{}: {}", key, value.empty() ? "" : " = " + value, reason);
   if (style_ == Style::kParameters) return ParameterError(text);
@@ -284,12 +284,28 @@ ParameterMap::Points ParameterMap::points(
   return keep(name, points, fmt::format("[{}]", fmt::join(pairs, ", ")));
 }
 
-bool ParameterMap::has_section(const std::string& section) const {
+bool ParameterMap::has_section(const std::string& name) const {
   if (!values_.IsMap()) return false;
   return std::any_of(values_.begin(), values_.end(), [&](const auto& item) {
-    const std::string& name = item.first.Scalar();
-    return name == section || name.rfind(section + ".", 0) == 0;
+    const std::string& key = item.first.Scalar();
+    return key == name || key.rfind(name + ".", 0) == 0;
   });
+}
+
+ParameterMap ParameterMap::section(const std::string& name) {
+  const std::string prefix = name + ".";
+  if (has(name) && !values_[name].IsMap()) refuse(name, "must be a map of keys to values");
+  known_.insert(name);
+  YAML::Node values(YAML::NodeType::Map);
+  for (const auto& item : values_) {
+    const std::string& key = item.first.Scalar();
+    if (key.rfind(prefix, 0) != 0) continue;
+    values[key.substr(prefix.size())] = item.second;
+    known_.insert(key);
+  }
+  ParameterMap part(scope_, values, style_);
+  part.section_ = section_ + prefix;
+  return part;
 }
 
 void ParameterMap::finish() const {
@@ -303,8 +319,8 @@ void ParameterMap::finish() const {
     if (known_.empty()) throw error(excerpt(name), "", "no such parameter");
     const std::string nearest = nearest_name(name, {known_.begin(), known_.end()});
     if (file)
-      throw ParameterError(fmt::format("{}: {}: unknown key (the nearest known one is {})", scope_,
-                                       excerpt(name), nearest),
+      throw ParameterError(fmt::format("{}: {}{}: unknown key (the nearest known one is {}{})",
+                                       scope_, section_, excerpt(name), section_, nearest),
                            scope_ + ": holds a key that is not known");
     throw error(excerpt(name), "",
                 fmt::format("no such parameter; the nearest one is {}/{}", scope_, nearest));

@@ -29,13 +29,28 @@ bool well_formed(const threelink_msgs::SwimmerState& state) {
          std::isfinite(state.reward);
 }
 
-void to_message(const Model& model, const SwimmerState& state, threelink_msgs::SwimmerState& out) {
+void to_message(const Model& model, const StepRecord& record, threelink_msgs::SwimmerState& out) {
+  const SwimmerState& state = record.state;
   const Eigen::Vector2d end = free_end(model, state);
   const LinkVector theta = link_angles(model, state);
   out.x_1 = {end.x(), end.y()};
   out.centroid = {state.centroid.x(), state.centroid.y()};
   out.theta.assign(theta.data(), theta.data() + theta.size());
   out.alpha.assign(state.alpha.data(), state.alpha.data() + state.alpha.size());
+  const HingeVector& rates = record.hinge_rates;
+  out.hinge_rates.assign(rates.data(), rates.data() + rates.size());
+  out.power = record.power;
+  out.work = record.work;
+  out.reward = record.reward;
+}
+
+void to_message(const Environment& environment, threelink_msgs::Observation& out) {
+  const Eigen::Vector2d p = environment.direction(0);
+  out.kind = to_string(environment.config().observation);
+  out.values.resize(environment.observation_size());
+  environment.observe(out.values.data());
+  out.theta_t = std::atan2(p.y(), p.x());
+  out.distance = environment.distance(0);
 }
 
 void to_joint_state(const threelink_msgs::SwimmerState& state, const Scales& scales,

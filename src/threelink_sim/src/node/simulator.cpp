@@ -275,23 +275,11 @@ void Simulator::abort() {
 }
 
 void Simulator::publish_state() {
-  const Model& model = config_.environment.model;
-  const Batch& batch = environment_.batch();
-  const SwimmerState state = batch.state(0);
-  const bool start = lockstep_.step() == 0;
-  HingeVector rates = HingeVector::Zero(model.hinges());
-  if (!start)
-    for (int j = 0; j < model.hinges(); ++j) rates[j] = batch.rates(j)[0];
-
   state_.header.stamp = from_nanoseconds(lockstep_.stamp());
   state_.header.frame_id = frames::kWorld;
   state_.episode = lockstep_.episode();
   state_.step = lockstep_.step();
-  to_message(model, state, state_);
-  state_.hinge_rates.assign(rates.data(), rates.data() + rates.size());
-  state_.power = body_motion(model, state.alpha, rates).power;
-  state_.work = start ? 0 : batch.work()[0];
-  state_.reward = start ? 0 : environment_.rewards()[0];
+  to_message(config_.environment.model, environment_.record(0), state_);
   state_publisher_.publish(state_);
 
   // The rest while the task works out its answer.
@@ -301,13 +289,10 @@ void Simulator::publish_state() {
 }
 
 void Simulator::publish_observation() {
-  const Eigen::Vector2d p = environment_.direction(0);
   observation_.header.stamp = state_.header.stamp;
   observation_.episode = state_.episode;
   observation_.step = state_.step;
-  environment_.observe(observation_.values.data());
-  observation_.theta_t = std::atan2(p.y(), p.x());
-  observation_.distance = environment_.distance(0);
+  to_message(environment_, observation_);
   observation_publisher_.publish(observation_);
 }
 

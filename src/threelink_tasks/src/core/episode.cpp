@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "play.hpp"
+#include "threelink_agent/actor.hpp"
 
 namespace threelink_tasks {
 
@@ -29,9 +30,9 @@ EpisodeResult run_episode(Task& task, threelink_sim::Environment& environment,
         fmt::format("lanes = {}: an episode is played in one", environment.lanes()));
   require_fit(policy, config);
   task.reset(seed, episode);
-  environment.reset(0, start_state(config.model, task.start(), seed, episode));
+  environment.reset(0, threelink_sim::start_state(config.model, task.start(), seed, episode));
 
-  std::vector<double> observation(policy.observation_size());
+  threelink_agent::Actor actor(policy);
   EpisodeStep now{0, environment.batch().state(0), {}, {}};
   const Eigen::Vector2d first_centroid = now.state.centroid;
   while (true) {
@@ -40,11 +41,9 @@ EpisodeResult run_episode(Task& task, threelink_sim::Environment& environment,
     now.rates.resize(0);
     if (outcome == Outcome::kRunning) {
       environment.aim(0, now.target);
-      environment.observe(observation.data());
-      now.rates.resize(policy.hinges());
       const threelink_agent::ActionKey key{seed, episode, static_cast<std::uint32_t>(now.step)};
-      sampled ? policy.sample(observation.data(), key, now.rates.data())
-              : policy.act(observation.data(), now.rates.data());
+      const double* rates = actor.act(environment, sampled ? &key : nullptr);
+      now.rates = threelink_sim::HingeVector::Map(rates, policy.hinges());
     }
     watch(now);
     if (outcome != Outcome::kRunning)

@@ -16,12 +16,4 @@ void require_fit(const threelink_agent::Policy& policy,
                   config.model.links));
 }
 
-threelink_sim::SwimmerState start_state(const threelink_sim::Model& model, const Start& start,
-                                        std::uint64_t seed, std::uint32_t episode) {
-  if (start.random) return random_start(model, seed, episode);
-  threelink_sim::HingeVector alpha = start.alpha;
-  if (alpha.size() == 0) alpha.setZero(model.hinges());
-  return state_from_free_end(model, start.x_1, start.theta_1, alpha);
-}
-
 }  // namespace threelink_tasks

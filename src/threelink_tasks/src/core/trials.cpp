@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "play.hpp"
+#include "threelink_agent/actor.hpp"
 
 namespace threelink_tasks {
 namespace {
@@ -23,11 +24,11 @@ double path_length(const Task& task, Eigen::Vector2d from) {
 class Trials {
  public:
   Trials(const TaskMaker& make, const Policy& policy, const TrialsConfig& config)
-      : policy_(policy),
-        config_(config),
+      : config_(config),
         trials_(config.trials),
         lanes_(std::min<std::size_t>(config.lanes, config.trials)),
-        environment_(policy.metadata().environment(), lanes_.size()) {
+        environment_(policy.metadata().environment(), lanes_.size()),
+        actor_(policy) {
     require_fit(policy, environment_.config());
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       lanes_[i].task = make();
@@ -63,15 +64,16 @@ class Trials {
     lane.episode = ++started_;
     lane.step = 0;
     lane.task->reset(config_.seed, lane.episode);
-    environment_.reset(i, start_state(environment_.config().model, lane.task->start(), config_.seed,
+    environment_.reset(
+        i, threelink_sim::start_state(environment_.config().model, lane.task->start(), config_.seed,
                                       lane.episode));
-    lane.first_centroid = centroid(environment_, i);
+    lane.first_centroid = environment_.centroid(i);
   }
 
   // False if the lane's episode is over.
   bool observe(std::size_t i) {
     Lane& lane = lanes_[i];
-    const Eigen::Vector2d here = centroid(environment_, i);
+    const Eigen::Vector2d here = environment_.centroid(i);
     const Outcome outcome = lane.task->observe(here);
     const Eigen::Vector2d target = lane.task->target();
     if (outcome == Outcome::kRunning) {
@@ -100,30 +102,19 @@ class Trials {
   }
 
   void step() {
-    const std::size_t n = lanes_.size();
-    observations_.resize(n * policy_.observation_size());
-    rates_.resize(n * policy_.hinges());
-    environment_.observe(observations_.data());
-    if (config_.sampled) {
-      keys_.clear();
-      for (const Lane& lane : lanes_) keys_.push_back({config_.seed, lane.episode, lane.step});
-      policy_.sample(n, observations_.data(), keys_.data(), rates_.data(), scratch_);
-    } else {
-      policy_.act(n, observations_.data(), rates_.data(), scratch_);
-    }
-    environment_.step(rates_.data());
+    keys_.clear();
+    for (const Lane& lane : lanes_) keys_.push_back({config_.seed, lane.episode, lane.step});
+    environment_.step(actor_.act(environment_, config_.sampled ? keys_.data() : nullptr));
     for (Lane& lane : lanes_) ++lane.step;
   }
 
-  const Policy& policy_;
   TrialsConfig config_;
   std::vector<Trial> trials_;
   std::vector<Lane> lanes_;
   Environment environment_;
   std::uint32_t started_ = 0;  // episodes
-  std::vector<double> observations_, rates_;
+  threelink_agent::Actor actor_;
   std::vector<ActionKey> keys_;
-  std::vector<float> scratch_;
 };
 
 }  // namespace

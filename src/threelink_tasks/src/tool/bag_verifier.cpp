@@ -56,16 +56,11 @@ bool BagVerifier::may_end_here() const {
 
 void BagVerifier::compare_state() {
   const threelink_msgs::SwimmerState& recorded = expect(topics::kState, bag_.states);
-  const ReplayedState now = replay_->state();
   state_.header.stamp = stamp();
   state_.header.frame_id = frames::kWorld;
   state_.episode = start_.episode;
   state_.step = step_;
-  to_message(simulator_.environment.model, now.state, state_);
-  state_.hinge_rates.assign(now.rates.data(), now.rates.data() + now.rates.size());
-  state_.power = now.power;
-  state_.work = now.work;
-  state_.reward = now.reward;
+  to_message(simulator_.environment.model, replay_->record(0), state_);
   if (late() && step_ == first_step_) {  // what the step before did
     state_.hinge_rates = recorded.hinge_rates;
     state_.power = recorded.power;
@@ -93,7 +88,7 @@ bool BagVerifier::answer() {
     const Eigen::Vector2d chosen = Eigen::Vector2d(asked->point.x, asked->point.y) / length;
     if (task_->takes_points() && chosen != task_->target()) task_->take_point(chosen);
   }
-  const Eigen::Vector2d centroid = replay_->state().state.centroid;
+  const Eigen::Vector2d centroid = replay_->centroid(0);
   if (!late()) outcome_ = task_->observe(centroid);
   end_before_ = end_;
   end_ = {stamp(), task_->waypoint(),
@@ -113,16 +108,12 @@ bool BagVerifier::answer() {
 
   const auto* recorded = expect_answer(topics::kObservation, bag_.observations);
   if (!recorded) return false;
-  ReplayedObservation seen =
-      replay_->observe(Eigen::Vector2d(target->point.x, target->point.y) / length);
+  replay_->aim(0, Eigen::Vector2d(target->point.x, target->point.y) / length);
   threelink_msgs::Observation observation;
   observation.header.stamp = stamp();
   observation.episode = start_.episode;
   observation.step = step_;
-  observation.kind = to_string(simulator_.environment.observation);
-  observation.values = seen.values;
-  observation.theta_t = seen.theta_t;
-  observation.distance = seen.distance;
+  to_message(*replay_, observation);
   compare(topics::kObservation, *recorded, observation);
 
   const threelink_msgs::SwimmerState* next = bag_.states.next();
@@ -169,11 +160,12 @@ void BagVerifier::compare_rates(const threelink_msgs::HingeRates& recorded,
 
 void BagVerifier::step(const threelink_msgs::HingeRates* rates) {
   const HingeVector zeros = HingeVector::Zero(simulator_.environment.model.hinges());
-  const Replay before = *replay_;
+  const threelink_sim::Environment before = *replay_;
   replay_->step(rates ? rates->rates.data() : zeros.data());
   // The watchdog has taken the step if zeros were applied that nobody commanded.
   const threelink_msgs::SwimmerState* next = bag_.states.next();
-  if (next && all_zero(next->hinge_rates) && (!rates || !replay_->state().rates.isZero(0))) {
+  if (next && all_zero(next->hinge_rates) &&
+      (!rates || !replay_->record(0).hinge_rates.isZero(0))) {
     replay_ = before;
     replay_->step(zeros.data());
     ++verdict_.watchdog_steps;

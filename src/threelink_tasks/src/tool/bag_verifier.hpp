@@ -21,7 +21,6 @@
 #include "recorded_bag.hpp"
 #include "threelink_sim/node/simulator_config.hpp"
 #include "threelink_tasks/episode.hpp"
-#include "threelink_tasks/replay.hpp"
 #include "threelink_tasks/task.hpp"
 
 namespace threelink_tasks {
@@ -107,7 +106,7 @@ class BagVerifier {
   threelink_sim::SimulatorConfig simulator_;
   std::optional<std::uint64_t> action_seed_;  // of sampled actions
   std::unique_ptr<Task> task_;
-  std::optional<Replay> replay_;
+  std::optional<threelink_sim::Environment> replay_;
 
   std::uint64_t first_step_ = 0, step_ = 0;
   ros::Time first_stamp_;

@@ -61,7 +61,7 @@ void BagVerifier::begin() {
     state = start_state(model, task_->start(), start_.seed, start_.episode);
   }
   try {
-    replay_->start(state);
+    replay_->reset(0, state);
   } catch (const std::invalid_argument& error) {
     differ(topics::kState, error.what(), "one within its limits");
   }
@@ -76,7 +76,7 @@ void BagVerifier::read_config() {
     if (task_->takes_points()) verdict_.targets_proven = false;
     threelink_sim::ParameterMap simulator("simulator", config["simulator"]);
     simulator_ = threelink_sim::read_simulator_config(simulator);
-    replay_.emplace(simulator_.environment);
+    replay_.emplace(simulator_.environment, 1);
     const YAML::Node agent = config["agent"];
     if (agent && agent["sampled"].as<bool>()) action_seed_ = agent["seed"].as<std::uint64_t>();
   } catch (const std::exception& error) {  // of YAML, of a parameter

@@ -9,8 +9,8 @@
 
 #include "threelink_agent/policy.hpp"
 #include "threelink_agent/training/exploration_noise.hpp"
-#include "threelink_agent/training/homing.hpp"
 #include "threelink_sim/environment.hpp"
+#include "threelink_sim/goal/goals.hpp"
 
 namespace threelink_agent {
 
@@ -38,15 +38,16 @@ struct Rollout {
 // How episodes are played.
 struct Play {
   threelink_sim::EnvironmentConfig environment;
-  std::optional<HomingConfig> homing;  // else all episodes go towards theta_T = 0
-  Symmetry canonical;                  // applied to what the network sees
-  Mlp actor;                           // the mean of the actions
-  Eigen::VectorXf log_std;             // (A) of their standard deviation [1/T0]
+  threelink_sim::GoalConfig goal;
+  Symmetry canonical;       // applied to what the network sees
+  Mlp actor;                // the mean of the actions
+  Eigen::VectorXf log_std;  // (A) of their standard deviation [1/T0]
   std::uint64_t seed;
   std::uint32_t first_episode;  // number of the rollout's first one
 };
 
-// The start of the rollout's episode i, keyed by (seed, number of the episode).
+// The start of the rollout's episode i if its goal is a direction, keyed by (seed, number of the
+// episode).
 threelink_sim::SwimmerState start_of(const Play& play, int i);
 
 // The policy in the rollout's episodes begin .. end - 1, n of them side by side: acts on what it is

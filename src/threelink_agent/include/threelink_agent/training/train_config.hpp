@@ -10,9 +10,9 @@
 #include "threelink_agent/mlp.hpp"
 #include "threelink_agent/policy.hpp"
 #include "threelink_agent/training/advantage.hpp"
-#include "threelink_agent/training/homing.hpp"
 #include "threelink_sim/environment.hpp"
 #include "threelink_sim/fields.hpp"
+#include "threelink_sim/goal/goals.hpp"
 #include "threelink_sim/parameter_map.hpp"
 
 namespace threelink_agent {
@@ -21,8 +21,9 @@ namespace threelink_agent {
 // peer is told no value.
 using ConfigError = threelink_sim::ParameterError;
 
-// The version that to_yaml() writes. Files of version 1, which have no key `version`, have no
-// environment.joint_limit: theirs is 2 pi / 3.
+// The version that to_yaml() writes. Files of version 1, which have no key `version`, have neither
+// environment.joint_limit, which was 2 pi / 3, nor `goal` and `observation`, but may have a section
+// `homing`: the goal "points", and the observation.
 constexpr int kConfigVersion = 2;
 
 struct SymmetryConfig {
@@ -95,11 +96,14 @@ struct TrainConfig {
   std::uint32_t episodes = 0;        // N_E
   std::uint32_t evaluate_every = 0;  // [updates] between deterministic evaluations
 
-  // Links, drag ratio, joint limit, dt, b, c and N_s. Its observation is what the critic is shown:
-  // "target" with homing, else "direction".
+  // Links, drag ratio, joint limit, dt, b, c and N_s. Its observation is what the critic is shown,
+  // which only training needs: "target" if the goal has one, else "direction".
   threelink_sim::EnvironmentConfig environment;
 
-  std::optional<HomingConfig> homing;  // points to reach; without them there is only a direction
+  // What the policy is shown.
+  threelink_sim::ObservationKind observation = threelink_sim::ObservationKind::kDirection;
+
+  threelink_sim::GoalConfig goal;
 
   // Widths of the tanh layers of actor and critic, 1 to 8 of them.
   std::vector<int> hidden;
@@ -109,7 +113,7 @@ struct TrainConfig {
   AdvantageSettings advantage;
   UpdateConfig update;
 
-  // version: of the file, whose keys these are.
+  // All but the goal. version: of the file, whose keys these are.
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit, int version = kConfigVersion) {
     using threelink_sim::Range;
@@ -122,20 +126,22 @@ struct TrainConfig {
       if (version >= 2 || name != "environment.joint_limit") visit(name, field, rest...);
     };
     threelink_sim::visit_section("environment", self.environment, of_version);
+    if (version >= 2) visit("observation", self.observation, "what the policy is shown");
     visit("hidden", self.hidden, Range<int>{1, Mlp::kMaxWidth},
           "widths of the tanh layers of actor and critic");
     threelink_sim::visit_section("symmetry", self.symmetry, visit);
     threelink_sim::visit_section("exploration", self.exploration, visit);
     threelink_sim::visit_section("advantage", self.advantage, visit);
     threelink_sim::visit_section("update", self.update, visit);
-    if (self.homing) threelink_sim::visit_section("homing", *self.homing, visit);
   }
 
   // Throws ConfigError that names key, value and bound.
   void validate() const;
 
-  threelink_sim::ObservationKind actor_observation() const {
-    return homing ? homing->observation : environment.observation;
+  // What the critic is to be shown.
+  threelink_sim::ObservationKind critic_observation() const {
+    return goal.has_target() ? threelink_sim::ObservationKind::kTarget
+                             : threelink_sim::ObservationKind::kDirection;
   }
   // Number of updates; the last one has fewer episodes if M does not divide N_E.
   std::uint32_t updates() const { return (episodes + update.episodes - 1) / update.episodes; }

@@ -90,7 +90,7 @@ class Trainer {
 
   // The present policy.
   Policy policy() const;
-  // The one that evaluated best so far; null before the first evaluation. With points to reach it
+  // The one that evaluated best so far; null before the first evaluation. With a target it
   // is the last one that was evaluated: what an evaluation of bearable length tells of the way to
   // points is mostly chance, and towards the end the learning rates fall to nothing.
   const Policy* best() const { return state_.best ? &state_.best->policy : nullptr; }

@@ -5,9 +5,10 @@
 #include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <sensor_msgs/JointState.h>
+#include <threelink_msgs/Observation.h>
 #include <threelink_msgs/SwimmerState.h>
 
-#include "threelink_sim/swimmer.hpp"
+#include "threelink_sim/environment.hpp"
 
 namespace threelink_sim {
 
@@ -21,8 +22,10 @@ struct Scales {
 // rate for each hinge or none, and nothing but finite numbers.
 bool well_formed(const threelink_msgs::SwimmerState& state);
 
-// Fills x_1, theta, alpha and centroid, unrounded: the state can be read back to the bit.
-void to_message(const Model& model, const SwimmerState& state, threelink_msgs::SwimmerState& out);
+// Fills all but header, episode and step, unrounded: the state can be read back to the bit.
+void to_message(const Model& model, const StepRecord& record, threelink_msgs::SwimmerState& out);
+// Fills all but header, episode and step with what is observed in an environment of one lane.
+void to_message(const Environment& environment, threelink_msgs::Observation& out);
 
 // Each fills all of `out`, the stamp included; `out` may be used again and again.
 // Joints hinge_1 .. hinge_{N-1}: [rad], [rad/s].
