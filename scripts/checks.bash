@@ -60,6 +60,25 @@ test_sanitized() { # address, thread or both
   esac
 }
 
+# --- The cores alone -----------------------------------------------------------------------------
+
+# What knows no ROS, by plain CMake. Without LibTorch, too; and without optimising much, since bits do not
+# depend on that.
+test_cores() {
+  local folder=$root/build/cores status=0
+  install_missing "${packages[@]}"
+  quietly "configuring build/cores" "$folder/configure.log" \
+    cmake -S "$root/src/cores" -B "$folder" -DCMAKE_BUILD_TYPE=None -DCMAKE_CXX_FLAGS=-O1 \
+    -DCMAKE_DISABLE_FIND_PACKAGE_Torch=ON
+  quietly "building the cores without ROS" "$folder/build.log" \
+    setsid make -C "$folder" --no-print-directory -j "$(jobs_at_once)"
+  rm -rf "$folder/test_results" "$folder/Testing"
+  cd "$folder" || return
+  GTEST_OUTPUT=xml:$folder/test_results/ \
+    attend setsid ctest -j "$(jobs_at_once)" --output-on-failure --timeout 900 || status=$?
+  exec /usr/bin/python3 "$root/scripts/test_results.py" "$PWD" "$status"
+}
+
 # --- Fuzzers and linters -------------------------------------------------------------------------
 
 fuzz() { # [SECONDS [NAME...]]
@@ -77,19 +96,21 @@ fuzz() { # [SECONDS [NAME...]]
     "$checked/fuzzers" "$(jobs_at_once)" "$seconds" "${@:2}"
 }
 
-lint() {
+lint() { # [--brief]
   configure_address
   make_checked "$checked" generated_headers
-  attend setsid /usr/bin/python3 "$root/scripts/lint.py" "$checked" "$(jobs_at_once)"
+  attend setsid /usr/bin/python3 "$root/scripts/lint.py" "$checked" "$(jobs_at_once)" "$@"
 }
 
 # --- All of them ---------------------------------------------------------------------------------
 
 check() { # [--brief]: all parts run, whatever comes of the others
   tally test
+  tally test --cores
   if [[ ${1:-} == --brief ]]; then
     tally test --sanitize=thread
     tally fuzz 20
+    tally lint --brief
   else
     tally test --sanitize
     tally fuzz 20

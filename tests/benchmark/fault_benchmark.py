@@ -45,8 +45,12 @@ class Graph(Run):
 
     def loop(self, pace, **task):
         """A pursuit that nothing but a fault ends; its nodes by their names."""
+        master = rosgraph.Master("/fault_benchmark", master_uri=self.hosts.uri)
+        self.needs(master.is_online, "the master is up")
+        simulator = self.add(SIM, "simulator_node", "simulator", realtime_factor=pace)
+        self.needs(lambda: master.hasParam(LOOP + "/simulator/dt"), "the simulator has parameters")
         return {
-            "simulator": self.add(SIM, "simulator_node", "simulator", realtime_factor=pace),
+            "simulator": simulator,
             "agent": self.add(AGENT, "agent_node", "agent", policy=POLICY),
             "task": self.add(TASKS, "task_node", "task", task="pursuit", policy=POLICY, v_ratio=3.0,
                              max_steps=100000000, **task)}
@@ -155,7 +159,6 @@ class Second:
 
     def run(self, graph, runs):
         nodes = {**graph.loop(0, record="false"), **graph.training()}
-        simulator = graph.add(SIM, "simulator_node", "unused", realtime_factor=0)
         seconds, named = {"simulator": 0.0, "learner": 0.0, "trainer": 0.0}, 0
         for number in range(runs):
             config = ["--config", graph.config, "--out", graph.out, "--resume"]

@@ -24,11 +24,11 @@ class Arguments(unittest.TestCase):
                 (["nosuch"], "unknown command `nosuch`"),
                 (["build", "x"], "`build` takes no arguments"),
                 (["doctor", "x"], "`doctor` takes no arguments"),
-                (["lint", "x"], "`lint` takes no arguments"),
+                (["lint", "x"], "`lint` takes nothing, or --brief"),
                 (["check", "x"], "`check` takes nothing, or --brief"),
                 (["setup", "x"], "`setup` takes nothing, or rviz"),
-                (["test", "x"], "`test` takes nothing, --sanitize"),
-                (["test", "--sanitize=memory"], "`test` takes nothing, --sanitize"),
+                (["test", "x"], "`test` takes nothing, --cores, --sanitize"),
+                (["test", "--sanitize=memory"], "`test` takes nothing, --cores, --sanitize"),
                 (["fuzz", "0"], "fuzz 0: the seconds for each reader must be a whole number"),
                 (["fuzz", "policy"], "fuzz policy: the seconds for each reader must be"),
                 (["fuzz", "1", "nosuch"], "fuzz: there is no reader `nosuch`")):
@@ -40,7 +40,7 @@ class Arguments(unittest.TestCase):
 
     def test_help_names_every_command(self):
         manual = run(ROOT / "threelink", "help").stdout
-        for command in ("pursuit", "train", "test", "test --sanitize", "fuzz", "lint", "check"):
+        for command in ("pursuit", "train", "test", "test --cores", "test --sanitize", "fuzz", "lint", "check"):
             self.assertIn(f"\n  {command}", manual)
 
 
@@ -111,22 +111,22 @@ class Sum(unittest.TestCase):
     def test_adds_up(self):
         ended = self.check("echo 10 passed, 0 failed, 2 skipped", "echo 4 passed, 0 failed")
         self.assertEqual(ended.returncode, 0, ended.stderr)
-        self.assertEqual(ended.stdout.splitlines()[-1], "27 passed, 0 failed, 4 skipped")
+        self.assertEqual(ended.stdout.splitlines()[-1], "37 passed, 0 failed, 6 skipped")
 
-    def test_the_brief_one_leaves_linters_out(self):
-        ended = self.check("echo 10 passed, 0 failed, 2 skipped", "exit 1", "--brief")
+    def test_the_brief_one_has_all_parts(self):
+        ended = self.check("echo 10 passed, 0 failed, 2 skipped", "echo 4 passed, 0 failed", "--brief")
         self.assertEqual(ended.returncode, 0, ended.stderr)
-        self.assertEqual(ended.stdout.splitlines()[-1], "23 passed, 0 failed, 4 skipped")
+        self.assertEqual(ended.stdout.splitlines()[-1], "37 passed, 0 failed, 6 skipped")
 
     def test_a_part_that_fails_fails_all_and_the_others_run(self):
         ended = self.check("echo 9 passed, 1 failed; exit 1", "echo 4 passed, 0 failed")
         self.assertEqual(ended.returncode, 1)
-        self.assertEqual(ended.stdout.splitlines()[-1], "25 passed, 2 failed")
+        self.assertEqual(ended.stdout.splitlines()[-1], "34 passed, 3 failed")
 
     def test_a_part_that_ends_without_its_line_has_failed(self):
         ended = self.check("echo 10 passed, 0 failed", "echo nothing to install from; exit 1")
         self.assertEqual(ended.returncode, 1)
-        self.assertEqual(ended.stdout.splitlines()[-1], "23 passed, 1 failed")
+        self.assertEqual(ended.stdout.splitlines()[-1], "33 passed, 1 failed")
         self.assertIn("FAILED threelink lint: status 1", ended.stdout)
 
     def test_a_status_counts_even_if_the_line_says_that_all_passed(self):

@@ -41,7 +41,8 @@ class DocsTest(unittest.TestCase):
             self.assertTrue(figure, "%s has no figure, nor says that none was measured" % name)
 
     def test_links_lead_somewhere(self):
-        pages = [os.path.join(ROOT, "README.md")] + glob.glob(os.path.join(ROOT, "docs", "*.md"))
+        pages = [os.path.join(ROOT, "README.md")] + glob.glob(os.path.join(ROOT, "docs", "*.md")) + glob.glob(
+            os.path.join(ROOT, "src", "threelink_*", "README.md"))
         for page in pages:
             folder = os.path.dirname(page)
             for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", read(page)):

@@ -114,9 +114,7 @@ TEST(TaskGoal, RewardsProgressAndCapture) {
       const double now = (target - here[i]).norm();
       const bool reached = (target + drift - here[i]).norm() < 0.003;
       EXPECT_EQ(captured[i], reached);
-      EXPECT_NEAR(rewards[i],
-                  6 * (before[i] - now) - 3 * work[i] + (reached ? 1.5 : 0),
-                  1e-6);
+      EXPECT_NEAR(rewards[i], 6 * (before[i] - now) - 3 * work[i] + (reached ? 1.5 : 0), 1e-6);
       ++steps[i];
       if (!reached) continue;
       ++captures;

@@ -79,19 +79,19 @@ Agent::Agent(Policy policy, const std::string& source, const AgentConfig& config
 // The node that serves `reset`, if it publishes observations, too: again whenever it is silent.
 void Agent::look_for_the_simulator() {
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    threelink_sim::Lock lock(mutex_);
     if (std::exchange(heard_, false) && !simulator_.name().empty()) return;
   }
   const std::string found = threelink_sim::node_behind(node_.resolveName(topics::kReset),
                                                        node_.resolveName(topics::kObservation));
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   simulator_.expect(found);
 }
 
 void Agent::on_observation(const ros::MessageEvent<const threelink_msgs::Observation>& event) {
   const auto begin = std::chrono::steady_clock::now();
   const threelink_msgs::Observation& observation = *event.getMessage();
-  std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (!simulator_.may_be(event.getPublisherName())) {
     ++strange_;
     return;
@@ -124,7 +124,7 @@ bool Agent::acceptable(const threelink_msgs::Observation& observation, const std
   constexpr std::size_t kLongestFrame = 64;
   const PolicyMetadata& metadata = policy_.metadata();
   const auto refuse = [this](Diagnostics::Counter& counter, threelink_sim::QuietLog& log,
-                             std::string reason) {
+                             std::string reason) REQUIRES(mutex_) {
     ++counter;
     log.error("refused: " + reason);
     refused_observation_ = std::move(reason);
@@ -161,7 +161,7 @@ template <class Load>
 bool Agent::replace(const std::string& source, Load load, std::string& status) {
   try {
     Policy policy = load();  // while the old one goes on answering
-    const std::lock_guard<std::mutex> lock(mutex_);
+    threelink_sim::Lock lock(mutex_);
     if (!same_swimmer(policy, policy_))
       throw PolicyError(fmt::format("{}: it is for {}; the one in use is for {}", source,
                                     swimmer(policy), swimmer(policy_)));
@@ -178,7 +178,7 @@ bool Agent::replace(const std::string& source, Load load, std::string& status) {
                             : fmt::format("policy {} from {} is in use", policy_.id(), source_);
     return true;
   } catch (const std::exception& error) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    threelink_sim::Lock lock(mutex_);
     ++refused_policies_;
     policy_log_.error(
         fmt::format("refused: {}; policy {} from {} stays", error.what(), policy_.id(), source_));
@@ -220,12 +220,12 @@ void Agent::on_load(threelink_sim::IntakeOfService<threelink_msgs::LoadPolicy>::
   const std::string& file = call.getRequest().file;
   response.success = replace(
       threelink_sim::excerpt(file, 4096), [&] { return Policy::load(file); }, response.status);
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   response.sha256 = policy_.sha256();
 }
 
 void Agent::report(Diagnostics::Status& status, double seconds) {
-  std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (!refused_observation_.empty())
     status.summary(DiagnosticStatus::ERROR, refused_observation_);
   else if (!refused_policy_.empty())

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -17,6 +16,7 @@
 #include "latency.hpp"
 #include "swimmers.hpp"
 #include "threelink_agent/policy.hpp"
+#include "threelink_sim/mutex.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
 #include "threelink_sim/node/intake.hpp"
@@ -44,38 +44,47 @@ class Agent {
   void load(const threelink_msgs::PolicyWeights& weights);
   void on_load(threelink_sim::IntakeOfService<threelink_msgs::LoadPolicy>::Event& call);
 
-  bool acceptable(const threelink_msgs::Observation& observation, const std::string& refusal);
+  bool acceptable(const threelink_msgs::Observation& observation, const std::string& refusal)
+      REQUIRES(mutex_);
   // Puts the policy that load() returns in the place of the old one, unless load() throws or it is
   // for another swimmer; returns what became of it.
   template <class Load>
   bool replace(const std::string& source, Load load, std::string& status);
-  void put_in_use(Policy policy, const std::string& source);
+  void put_in_use(Policy policy, const std::string& source) REQUIRES(mutex_);
   void look_for_the_simulator();
   void report(Diagnostics::Status& status, double seconds);
 
+  // A training publishes many policies a second: one that follows looks at the newest, at times.
+  // The node's own thread alone uses it.
+  threelink_msgs::PolicyWeights::ConstPtr newest_;
+
   // Observations are answered in roscpp's network thread (see direct_queue.hpp), all else in the
   // node's own: this guards what both use, down to rates_.
-  std::mutex mutex_;
+  threelink_sim::Mutex mutex_;
   AgentConfig config_;
-  Policy policy_;
-  std::string source_;
-  Swimmers swimmers_;
+  Policy policy_ GUARDED_BY(mutex_);
+  std::string source_ GUARDED_BY(mutex_);
+  Swimmers swimmers_ GUARDED_BY(mutex_);
   struct Successor {
     Policy policy;
     std::string source;
   };
-  std::optional<Successor> next_;                     // with the next episode
-  std::string refused_observation_, refused_policy_;  // why the last one was; empty if it was not
-  threelink_sim::QuietLog swimmer_log_, kind_log_, frame_log_, length_log_, range_log_, policy_log_;
+  std::optional<Successor> next_ GUARDED_BY(mutex_);    // with the next episode
+  std::string refused_observation_ GUARDED_BY(mutex_);  // why the last one was; empty if it was not
+  std::string refused_policy_ GUARDED_BY(mutex_);
+  threelink_sim::QuietLog swimmer_log_ GUARDED_BY(mutex_);
+  threelink_sim::QuietLog kind_log_ GUARDED_BY(mutex_);
+  threelink_sim::QuietLog frame_log_ GUARDED_BY(mutex_);
+  threelink_sim::QuietLog length_log_ GUARDED_BY(mutex_);
+  threelink_sim::QuietLog range_log_ GUARDED_BY(mutex_);
+  threelink_sim::QuietLog policy_log_ GUARDED_BY(mutex_);
 
-  threelink_msgs::HingeRates rates_;  // filled anew for each observation
-  std::uint64_t answers_ = 0;         // since the last report
-  threelink_sim::Peer simulator_;     // whose observations count; any node's until it is known
-  bool heard_ = false;                // the simulator, since it was looked for
-  Latency latency_;                   // likewise, from callback to published
-
-  // A training publishes many policies a second: one that follows looks at the newest, at times.
-  threelink_msgs::PolicyWeights::ConstPtr newest_;
+  threelink_msgs::HingeRates rates_ GUARDED_BY(mutex_);  // filled anew for each observation
+  std::uint64_t answers_ GUARDED_BY(mutex_) = 0;         // since the last report
+  threelink_sim::Peer simulator_
+      GUARDED_BY(mutex_);                  // whose observations count; any node's until it is known
+  bool heard_ GUARDED_BY(mutex_) = false;  // the simulator, since it was looked for
+  Latency latency_ GUARDED_BY(mutex_);     // likewise, from callback to published
 
   threelink_sim::DirectQueue direct_queue_;
   ros::NodeHandle node_;

@@ -73,7 +73,10 @@ Rollout LiveLoop::play(const Play& play, int episodes) {
   check_swimmer(play);
   expect_peers();
   Rollout rollout(play.environment, episodes);
-  rates_.rates.resize(rollout.hinges);
+  {
+    threelink_sim::Lock lock(mutex_);
+    rates_.rates.resize(rollout.hinges);
+  }
   for (int i = 0; i < episodes; ++i) play_episode(play, i, rollout);
   return rollout;
 }
@@ -111,7 +114,7 @@ void LiveLoop::play_episode(const Play& play, int i, Rollout& rollout) {
   const threelink_msgs::SwimmerState found = reset(start);
   try {
     {
-      const std::lock_guard<std::mutex> lock(mutex_);
+      threelink_sim::Lock lock(mutex_);
       description_ = Episode();
       description_.episode = found.episode;
       description_.task = "training";
@@ -134,7 +137,7 @@ void LiveLoop::play_episode(const Play& play, int i, Rollout& rollout) {
             play.first_episode + i, difference));
     }
   } catch (const std::exception& error) {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    threelink_sim::Lock lock(mutex_);
     episode_.reset();
     ++episodes_given_up_;
     given_up_ = error.what();
@@ -176,7 +179,7 @@ void LiveLoop::expect_peers() {
   };
   const std::string state = speaker(topics::kState), observation = speaker(topics::kObservation),
                     abort = speaker(topics::kAbort);
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   state_peer_.expect(state);
   observation_peer_.expect(observation);
   abort_peer_.expect(abort);
@@ -204,9 +207,9 @@ void LiveLoop::take_start(const threelink_sim::SwimmerState& demanded,
 }
 
 void LiveLoop::wait_for_the_end() {
-  std::unique_lock<std::mutex> lock(mutex_);
-  while (
-      !changed_.wait_for(lock, 50ms, [this] { return episode_->done() || !given_up_.empty(); })) {
+  threelink_sim::Lock lock(mutex_);
+  const auto over = [this]() REQUIRES(mutex_) { return episode_->done() || !given_up_.empty(); };
+  while (!changed_.wait_for(lock, 50ms, over)) {
     const double silence = std::chrono::duration<double>(Clock::now() - heard_).count();
     if (!threelink_sim::running()) throw Interrupted();
     if (!ready())
@@ -222,7 +225,7 @@ void LiveLoop::wait_for_the_end() {
 
 void LiveLoop::on_state(const Event<threelink_msgs::SwimmerState>& event) {
   const threelink_msgs::SwimmerState& state = *event.getConstMessage();
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (!episode_ || !given_up_.empty()) return;
   if (!state_peer_.may_be(event.getPublisherName())) {
     ++strange_states_;
@@ -256,7 +259,7 @@ void LiveLoop::answer(const threelink_msgs::SwimmerState& state) {
 
 void LiveLoop::on_observation(const Event<threelink_msgs::Observation>& event) {
   const threelink_msgs::Observation& observation = *event.getConstMessage();
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (!episode_ || !given_up_.empty()) return;
   if (!observation_peer_.may_be(event.getPublisherName())) {
     ++strange_observations_;
@@ -307,7 +310,7 @@ bool LiveLoop::accept(LiveEpisode::Verdict verdict, const char* what, std::uint6
 
 void LiveLoop::on_abort(const Event<threelink_msgs::EpisodeAbort>& event) {
   const threelink_msgs::EpisodeAbort& message = *event.getConstMessage();
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (!episode_ || message.episode != description_.episode) return;
   if (abort_peer_.may_be(event.getPublisherName()))
     give_up(threelink_sim::excerpt(message.reason, 1000));
@@ -327,7 +330,7 @@ void LiveLoop::publish_episode(std::uint8_t status, const std::string& reason) {
 }
 
 void LiveLoop::report(Diagnostics::Status& status, double seconds) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (!given_up_.empty())
     status.summary(DiagnosticStatus::WARN, "the last episode was given up: " + given_up_);
   else

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -20,6 +19,7 @@
 
 #include "threelink_agent/distributed/live_episode.hpp"
 #include "threelink_agent/training/rollout_source.hpp"
+#include "threelink_sim/mutex.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
 #include "threelink_sim/node/intake.hpp"
@@ -55,7 +55,7 @@ class LiveLoop : public RolloutSource {
   threelink_msgs::SwimmerState reset(const threelink_sim::SwimmerState& start);
   // Turns the target, so that the swimmer is seen from the demanded side of it.
   void take_start(const threelink_sim::SwimmerState& demanded,
-                  const threelink_msgs::SwimmerState& found);
+                  const threelink_msgs::SwimmerState& found) REQUIRES(mutex_);
   void wait_for_the_end();
 
   template <class Message>
@@ -63,11 +63,10 @@ class LiveLoop : public RolloutSource {
   void on_state(const Event<threelink_msgs::SwimmerState>& event);
   void on_observation(const Event<threelink_msgs::Observation>& event);
   void on_abort(const Event<threelink_msgs::EpisodeAbort>& event);
-  // These are called with the mutex held.
-  void answer(const threelink_msgs::SwimmerState& state);
-  bool accept(LiveEpisode::Verdict verdict, const char* what, std::uint64_t step);
-  void give_up(const std::string& reason);
-  void publish_episode(std::uint8_t status, const std::string& reason = "");
+  void answer(const threelink_msgs::SwimmerState& state) REQUIRES(mutex_);
+  bool accept(LiveEpisode::Verdict verdict, const char* what, std::uint64_t step) REQUIRES(mutex_);
+  void give_up(const std::string& reason) REQUIRES(mutex_);
+  void publish_episode(std::uint8_t status, const std::string& reason = "") REQUIRES(mutex_);
   void report(Diagnostics::Status& status, double seconds);
 
   LiveLoopConfig config_;
@@ -75,17 +74,19 @@ class LiveLoop : public RolloutSource {
 
   // States and observations are answered in roscpp's network thread, play() waits in its caller's,
   // all else is in the node's own. Guards all down to target_.
-  std::mutex mutex_;
-  std::condition_variable changed_;      // the episode is done, or given up
-  std::optional<LiveEpisode> episode_;   // while it is played
-  threelink_msgs::Episode description_;  // of it, or of the last one
-  std::string given_up_;                 // why; empty if it was not
-  Clock::time_point heard_;
-  threelink_sim::Peer state_peer_, observation_peer_, abort_peer_;  // of this lease
-  std::uint64_t steps_ = 0;                                         // since the last report
-  Eigen::Vector2d to_target_;                                       // [L]
-  threelink_msgs::HingeRates rates_;    // filled anew for each observation
-  geometry_msgs::PointStamped target_;  // likewise
+  threelink_sim::Mutex mutex_;
+  std::condition_variable_any changed_;                     // the episode is done, or given up
+  std::optional<LiveEpisode> episode_ GUARDED_BY(mutex_);   // while it is played
+  threelink_msgs::Episode description_ GUARDED_BY(mutex_);  // of it, or of the last one
+  std::string given_up_ GUARDED_BY(mutex_);                 // why; empty if it was not
+  Clock::time_point heard_ GUARDED_BY(mutex_);
+  threelink_sim::Peer state_peer_ GUARDED_BY(mutex_);  // of this lease
+  threelink_sim::Peer observation_peer_ GUARDED_BY(mutex_);
+  threelink_sim::Peer abort_peer_ GUARDED_BY(mutex_);
+  std::uint64_t steps_ GUARDED_BY(mutex_) = 0;             // since the last report
+  Eigen::Vector2d to_target_ GUARDED_BY(mutex_);           // [L]
+  threelink_msgs::HingeRates rates_ GUARDED_BY(mutex_);    // filled anew for each observation
+  geometry_msgs::PointStamped target_ GUARDED_BY(mutex_);  // likewise
 
   threelink_sim::DirectQueue direct_queue_;
   ros::NodeHandle node_;

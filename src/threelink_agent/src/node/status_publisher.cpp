@@ -22,7 +22,7 @@ void StatusPublisher::on_update(const Trainer& trainer, const UpdateReport* repo
                                 const Progress& progress) {
   {
     const TrainConfig& config = trainer.config();
-    const std::lock_guard<std::mutex> lock(mutex_);
+    threelink_sim::Lock lock(mutex_);
     status_.updates = config.updates();
     status_.update = trainer.state().update;
     status_.episodes = std::uint64_t{config.update.episodes} * trainer.state().update;
@@ -47,7 +47,7 @@ void StatusPublisher::on_update(const Trainer& trainer, const UpdateReport* repo
 threelink_msgs::TrainingStatus StatusPublisher::status() const {
   threelink_msgs::TrainingStatus status;
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    threelink_sim::Lock lock(mutex_);
     status = status_;
   }
   status.header.stamp = wall_time();

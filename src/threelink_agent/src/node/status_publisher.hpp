@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <mutex>
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
@@ -11,6 +10,7 @@
 
 #include "progress.hpp"
 #include "threelink_agent/training/trainer.hpp"
+#include "threelink_sim/mutex.hpp"
 
 namespace threelink_agent {
 
@@ -29,8 +29,8 @@ class StatusPublisher {
   void publish();
 
   std::function<void(threelink_msgs::TrainingStatus&)> add_workers_;
-  mutable std::mutex mutex_;  // of status_
-  threelink_msgs::TrainingStatus status_;
+  mutable threelink_sim::Mutex mutex_;  // of status_
+  threelink_msgs::TrainingStatus status_ GUARDED_BY(mutex_);
   ros::NodeHandle node_;
   ros::Publisher publisher_;
   ros::SteadyTimer timer_;

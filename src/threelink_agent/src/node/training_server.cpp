@@ -49,7 +49,7 @@ TrainingServer::TrainingServer(int threads, bool plot, const RemoteRollouts::Set
 }
 
 void TrainingServer::on_goal(Goal goal) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   const auto reject = [&](const std::string& reason) {
     rejected_log_.warn("goal rejected: " + reason);
     goal.setRejected(result(Result::REJECTED, reason), reason);
@@ -67,18 +67,19 @@ void TrainingServer::on_goal(Goal goal) {
 }
 
 void TrainingServer::on_cancel(const Goal& goal) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (goal_ && *goal_ == goal) cancelled_ = true;
 }
 
 bool TrainingServer::keep_going() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   return threelink_sim::running() && !cancelled_;
 }
 
 std::optional<TrainingServer::Goal> TrainingServer::next() {
-  std::unique_lock<std::mutex> lock(mutex_);
-  changed_.wait_for(lock, std::chrono::milliseconds(50), [this] { return goal_.has_value(); });
+  threelink_sim::Lock lock(mutex_);
+  changed_.wait_for(lock, std::chrono::milliseconds(50),
+                    [this]() REQUIRES(mutex_) { return goal_.has_value(); });
   return goal_;
 }
 
@@ -87,7 +88,7 @@ int TrainingServer::run() {
     if (const auto goal = next()) {
       const std::function<void()> tell = train(*goal);
       {
-        const std::lock_guard<std::mutex> lock(mutex_);
+        threelink_sim::Lock lock(mutex_);
         goal_.reset();
       }
       tell();  // the client may answer with the next goal
@@ -174,7 +175,7 @@ std::function<void()> TrainingServer::train(Goal goal) {
 }
 
 void TrainingServer::report(Diagnostics::Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   status.summary(DiagnosticStatus::OK, goal_
                                            ? "training into " + excerpt(goal_->getGoal()->out, 200)
                                            : "waits for a goal");

@@ -3,7 +3,6 @@
 
 #include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -14,6 +13,7 @@
 
 #include "run_training.hpp"
 #include "threelink_agent/distributed/remote_rollouts.hpp"
+#include "threelink_sim/mutex.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/quiet_log.hpp"
 
@@ -49,10 +49,11 @@ class TrainingServer {
   int threads_;
   bool plot_;
   RemoteRollouts::Settings remote_;
-  std::mutex mutex_;  // of goal_ and cancelled_
-  std::condition_variable changed_;
-  std::optional<Goal> goal_;  // until its training has ended, and before its client knows
-  bool cancelled_ = false;
+  threelink_sim::Mutex mutex_;  // of goal_ and cancelled_
+  std::condition_variable_any changed_;
+  std::optional<Goal> goal_
+      GUARDED_BY(mutex_);  // until its training has ended, and before its client knows
+  bool cancelled_ GUARDED_BY(mutex_) = false;
   Diagnostics diagnostics_;
   threelink_sim::QuietLog rejected_log_, failed_log_;
   ros::CallbackQueue queue_;

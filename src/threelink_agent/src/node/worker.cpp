@@ -87,7 +87,7 @@ Worker::Worker(std::unique_ptr<RolloutSource> source, int threads, const std::st
 Worker::~Worker() { spinner_.stop(); }
 
 void Worker::publish_status() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   // Who is not heard gets no lease.
   if (episodes_publisher_.getNumSubscribers() == 0 || !player_.ready()) return;
   threelink_msgs::WorkerStatus message = to_message(status_);
@@ -132,7 +132,7 @@ void Worker::on_policy(const ros::MessageEvent<threelink_msgs::PolicyWeights con
   const threelink_msgs::PolicyWeights& message = *event.getConstMessage();
   std::string bytes(message.data.begin(), message.data.end());
   const std::string hash = sha256(bytes);
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   Learner& from = learner(event.getPublisherName());
   from.policy_bytes = std::move(bytes);
   from.policy = hash;
@@ -142,7 +142,7 @@ void Worker::on_policy(const ros::MessageEvent<threelink_msgs::PolicyWeights con
 
 void Worker::on_leases(const ros::MessageEvent<threelink_msgs::Leases const>& event) {
   const threelink_msgs::Leases& message = *event.getConstMessage();
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   Learner& from = learner(event.getPublisherName());
   if (from.session != message.session) from.assignment.reset();  // from a learner that is gone
   from.session = message.session;
@@ -164,8 +164,8 @@ void Worker::on_leases(const ros::MessageEvent<threelink_msgs::Leases const>& ev
 }
 
 std::optional<Assignment> Worker::next() {
-  std::unique_lock<std::mutex> lock(mutex_);
-  const auto ready = [this] { return next_learner() != learners_.end(); };
+  threelink_sim::Lock lock(mutex_);
+  const auto ready = [this]() REQUIRES(mutex_) { return next_learner() != learners_.end(); };
   if (!changed_.wait_for(lock, 50ms, ready)) return {};
   const auto next = next_learner();
   playing_for_ = next->first;
@@ -206,7 +206,7 @@ void Worker::hand_in(EpisodeBatch&& batch) {
   message->header.stamp = wall_time();
   bool wanted;
   {
-    const std::lock_guard<std::mutex> lock(mutex_);
+    threelink_sim::Lock lock(mutex_);
     const auto learner = learners_.find(playing_for_);
     wanted = learner != learners_.end() && learner->second.session == session;
     if (wanted) status_.episodes += episodes;
@@ -227,7 +227,7 @@ int Worker::run() {
 }
 
 void Worker::report(Diagnostics::Status& status, double) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   const auto gives_leases = [](const auto& entry) {
     return entry.second.refused.empty() && entry.second.played != Clock::time_point();
   };

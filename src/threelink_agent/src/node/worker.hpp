@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -18,6 +17,7 @@
 
 #include "threelink_agent/distributed/lease_player.hpp"
 #include "threelink_agent/distributed/worker_roster.hpp"
+#include "threelink_sim/mutex.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/intake.hpp"
 
@@ -53,10 +53,9 @@ class Worker {
 
   void on_policy(const ros::MessageEvent<threelink_msgs::PolicyWeights const>& event);
   void on_leases(const ros::MessageEvent<threelink_msgs::Leases const>& event);
-  // These are called with the mutex held.
-  Learner& learner(const std::string& name);
-  std::map<std::string, Learner>::iterator next_learner();
-  void tell_what_is_held();
+  Learner& learner(const std::string& name) REQUIRES(mutex_);
+  std::map<std::string, Learner>::iterator next_learner() REQUIRES(mutex_);
+  void tell_what_is_held() REQUIRES(mutex_);
   void publish_status();
   void report(Diagnostics::Status& status, double seconds);
 
@@ -67,15 +66,17 @@ class Worker {
 
   LeasePlayer player_;
   double step_cost_;
+  threelink_sim::QuietLog given_back_log_;
 
-  std::mutex mutex_;  // of all down to given_back_
-  std::condition_variable changed_;
-  WorkerStatus status_;
-  std::map<std::string, Learner> learners_;  // by the name of the node
-  std::optional<Assignment> playing_;
-  std::string playing_for_;  // name of its learner
-  std::string given_back_;   // why the last lease was; empty if it was played
-  threelink_sim::QuietLog refused_log_, given_back_log_, load_log_;
+  threelink_sim::Mutex mutex_;  // of all down to given_back_
+  std::condition_variable_any changed_;
+  WorkerStatus status_ GUARDED_BY(mutex_);
+  std::map<std::string, Learner> learners_ GUARDED_BY(mutex_);  // by the name of the node
+  std::optional<Assignment> playing_ GUARDED_BY(mutex_);
+  std::string playing_for_ GUARDED_BY(mutex_);  // name of its learner
+  std::string given_back_ GUARDED_BY(mutex_);   // why the last lease was; empty if it was played
+  threelink_sim::QuietLog refused_log_ GUARDED_BY(mutex_);
+  threelink_sim::QuietLog load_log_ GUARDED_BY(mutex_);
 
   ros::NodeHandle node_;
   Diagnostics diagnostics_;

@@ -15,7 +15,7 @@ struct YamlLimits {
   std::size_t nodes = 50'000;
 };
 constexpr std::size_t kMaxYamlDepth = 32;  // of maps and lists within each other
-constexpr std::size_t kMaxYamlKey = 250;  // [bytes] the library cannot read back longer ones
+constexpr std::size_t kMaxYamlKey = 250;   // [bytes] the library cannot read back longer ones
 
 // One YAML document, or none, which is null. Throws FormatError with line and column for text that
 // is not YAML, exceeds a limit, is not printable UTF-8, holds anchors, aliases, tags or a second

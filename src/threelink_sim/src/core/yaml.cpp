@@ -85,8 +85,8 @@ class Checker : public YAML::EventHandler {
       return;
     }
     if (word->size() > kMaxYamlKey)
-      refuse(mark, fmt::format("a key of {} bytes, at most {} are allowed", word->size(),
-                               kMaxYamlKey));
+      refuse(mark,
+             fmt::format("a key of {} bytes, at most {} are allowed", word->size(), kMaxYamlKey));
     if (map.keys.insert(*word).second) return;
     throw FormatError(fmt::format("{}: {}: given twice", position(mark), excerpt(*word)),
                       position(mark) + ": a key is given twice");

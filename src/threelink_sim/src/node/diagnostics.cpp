@@ -20,7 +20,7 @@ Diagnostics::Counter& Diagnostics::counter(const std::string& name) { return ent
 Diagnostics::Counter& Diagnostics::refusals(const std::string& name) { return entry(name, true); }
 
 Diagnostics::Counter& Diagnostics::entry(const std::string& name, bool warns) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const Lock lock(mutex_);
   for (Entry& entry : entries_)
     if (entry.name == name) return entry.value;
   return entries_.emplace_back(name, warns).value;
@@ -31,7 +31,7 @@ void Diagnostics::update(Status& status) {
   status.summary(DiagnosticStatus::OK, "");
   report_(status, (now - last_).toSec());
   last_ = now;
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const Lock lock(mutex_);
   for (Entry& entry : entries_) {
     const std::uint64_t value = entry.value;
     status.add(entry.name, value);

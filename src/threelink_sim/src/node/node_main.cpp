@@ -7,13 +7,13 @@
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
-#include <mutex>
 #include <optional>
 #include <thread>
 
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include "threelink_sim/mutex.hpp"
 #include "threelink_sim/node/peer_types.hpp"
 
 namespace threelink_sim {
@@ -42,7 +42,7 @@ class MasterWatch {
   explicit MasterWatch(double patience) : patience_(patience), thread_([this] { watch(); }) {}
   ~MasterWatch() {
     {
-      std::lock_guard<std::mutex> lock(mutex_);
+      Lock lock(mutex_);
       ending_ = true;
     }
     wake_.notify_one();
@@ -67,8 +67,9 @@ class MasterWatch {
   void watch() {
     constexpr int kPatience = 3;
     int failures = 0;
-    std::unique_lock<std::mutex> lock(mutex_);
-    while (!wake_.wait_for(lock, 1s, [this] { return ending_; })) {
+    const auto ending = [this]() REQUIRES(mutex_) { return ending_; };
+    Lock lock(mutex_);
+    while (!wake_.wait_for(lock, 1s, ending)) {
       if (stop_requested && patience_ > 0 && !lost_) end_in_time();
       failures = registered() ? 0 : failures + 1;
       if (failures == kPatience && running()) {
@@ -86,9 +87,9 @@ class MasterWatch {
   double patience_;  // [s]
   std::optional<std::chrono::steady_clock::time_point> stopped_;
   std::atomic<bool> lost_{false};
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool ending_ = false;
+  Mutex mutex_;
+  std::condition_variable_any wake_;
+  bool ending_ GUARDED_BY(mutex_) = false;
   std::thread thread_;  // last: it uses the others
 };
 

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <map>
-#include <mutex>
 #include <set>
 #include <thread>
 #include <utility>
@@ -16,6 +15,7 @@
 #include <ros/topic_manager.h>
 
 #include "threelink_sim/excerpt.hpp"
+#include "threelink_sim/mutex.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -23,9 +23,9 @@ namespace {
 constexpr std::chrono::seconds kPeriod(2);
 constexpr std::size_t kMostPublishers = 20;  // of a topic, that are asked in one round
 
-std::mutex mutex;
-std::map<std::string, TopicType> expected;     // by topic
-std::map<std::string, std::string> conflicts;  // likewise
+Mutex mutex;
+std::map<std::string, TopicType> expected GUARDED_BY(mutex);     // by topic
+std::map<std::string, std::string> conflicts GUARDED_BY(mutex);  // likewise
 
 bool has_publisher(const std::string& topic) {
   return ros::TopicManager::instance()->getNumPublishers(topic) > 0;
@@ -38,13 +38,13 @@ std::string text_of(const TopicType& type) {
 }  // namespace
 
 void expect_type(const std::string& topic, const TopicType& type) {
-  const std::lock_guard<std::mutex> lock(mutex);
+  const Lock lock(mutex);
   expected[topic] = type;
 }
 
 std::string other_type_on(const std::string& topic) {
   if (has_publisher(topic)) return "";
-  const std::lock_guard<std::mutex> lock(mutex);
+  const Lock lock(mutex);
   const auto found = conflicts.find(topic);
   return found == conflicts.end() ? "" : found->second;
 }
@@ -54,7 +54,7 @@ class PeerTypes::Watch {
   Watch() : thread_([this] { run(); }) {}
   ~Watch() {
     {
-      const std::lock_guard<std::mutex> lock(wake_mutex_);
+      const Lock lock(wake_mutex_);
       ending_ = true;
     }
     wake_.notify_one();
@@ -63,17 +63,18 @@ class PeerTypes::Watch {
 
  private:
   bool ending() {
-    const std::lock_guard<std::mutex> lock(wake_mutex_);
+    const Lock lock(wake_mutex_);
     return ending_;
   }
 
   void run() {
-    std::unique_lock<std::mutex> lock(wake_mutex_);
-    while (!wake_.wait_for(lock, kPeriod, [this] { return ending_; })) {
+    const auto ending = [this]() REQUIRES(wake_mutex_) { return ending_; };
+    Lock lock(wake_mutex_);
+    while (!wake_.wait_for(lock, kPeriod, ending)) {
       lock.unlock();
       std::map<std::string, TopicType> topics;
       {
-        const std::lock_guard<std::mutex> guard(mutex);
+        const Lock guard(mutex);
         topics = expected;
       }
       for (const auto& [topic, type] : topics) {
@@ -93,7 +94,7 @@ class PeerTypes::Watch {
     // asked.
     if (publishers.empty()) {
       waiting_.erase(topic);
-      const std::lock_guard<std::mutex> lock(mutex);
+      const Lock lock(mutex);
       conflicts.erase(topic);
       return;
     }
@@ -110,7 +111,7 @@ class PeerTypes::Watch {
       if (told_.size() < kMostTold && told_.insert(conflict).second)
         ROS_ERROR("%s; nothing of it is heard", conflict.c_str());
     }
-    const std::lock_guard<std::mutex> lock(mutex);
+    const Lock lock(mutex);
     conflicts[topic] = conflict;
   }
 
@@ -133,9 +134,9 @@ class PeerTypes::Watch {
   };
   std::map<std::pair<std::string, std::string>, Answer> answers_;
   std::set<std::string> told_, waiting_;
-  std::mutex wake_mutex_;
-  std::condition_variable wake_;
-  bool ending_ = false;
+  Mutex wake_mutex_;
+  std::condition_variable_any wake_;
+  bool ending_ GUARDED_BY(wake_mutex_) = false;
   std::thread thread_;  // last: it uses the others
 };
 

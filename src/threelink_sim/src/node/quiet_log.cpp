@@ -10,7 +10,7 @@ namespace threelink_sim {
 void QuietLog::say(const std::string& text, bool error) {
   constexpr std::chrono::seconds kPause(10);
   constexpr std::size_t kLongest = 1000;
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const Lock lock(mutex_);
   const auto now = std::chrono::steady_clock::now();
   if (said_ && now - last_ < kPause) {
     ++left_out_;

@@ -66,7 +66,7 @@ Simulator::Simulator(const SimulatorConfig& config)
       aborts_(diagnostics_.counter("episodes aborted")),
       view_(node_, {config.scales, config.environment.dt, config.environment.model.gamma},
             [this] {
-              std::lock_guard<std::mutex> lock(mutex_);
+              Lock lock(mutex_);
               display_throttle_.request();
             }),
       standard_throttle_(config.realtime_factor > 0 ? kStandardRate : config.display_rate),
@@ -106,7 +106,7 @@ int Simulator::run() {
   while (running()) {
     std::chrono::duration<double> wait{};
     {
-      std::lock_guard<std::mutex> lock(mutex_);
+      Lock lock(mutex_);
       act();
       const Time now = steady_clock::now();
       wait = std::min(deadline(), now + kPatience) - now;
@@ -172,7 +172,7 @@ bool Simulator::taken(const std::string& caller) const {
 }
 
 void Simulator::on_reset(IntakeOfService<threelink_msgs::Reset>::Event& call) {
-  std::lock_guard<std::mutex> lock(mutex_);
+  Lock lock(mutex_);
   threelink_msgs::Reset::Response& response = call.getResponse();
   const std::string& caller = call.getCallerName();
   try {
@@ -201,7 +201,7 @@ void Simulator::on_reset(IntakeOfService<threelink_msgs::Reset>::Event& call) {
 
 void Simulator::on_target(const Event<geometry_msgs::PointStamped>& event) {
   const geometry_msgs::PointStamped& message = *event.getConstMessage();
-  std::lock_guard<std::mutex> lock(mutex_);
+  Lock lock(mutex_);
   if (message.header.frame_id != frames::kWorld) {
     ++foreign_frames_;
     return;
@@ -223,7 +223,7 @@ void Simulator::on_target(const Event<geometry_msgs::PointStamped>& event) {
 
 void Simulator::on_rates(const Event<threelink_msgs::HingeRates>& event) {
   const threelink_msgs::HingeRates& message = *event.getConstMessage();
-  std::lock_guard<std::mutex> lock(mutex_);
+  Lock lock(mutex_);
   if (!agent_.may_be(event.getPublisherName()))
     ++strange_rates_;
   else if (refused_rates_.accept(lockstep_.rates(message.episode, message.step,
@@ -234,7 +234,7 @@ void Simulator::on_rates(const Event<threelink_msgs::HingeRates>& event) {
 
 void Simulator::on_episode(const Event<threelink_msgs::Episode>& event) {
   const threelink_msgs::Episode& message = *event.getConstMessage();
-  std::lock_guard<std::mutex> lock(mutex_);
+  Lock lock(mutex_);
   const bool started = message.status == threelink_msgs::Episode::STARTED;
   if (message.episode != lockstep_.episode()) return;  // the latched one of an earlier episode
   if (event.getPublisherName() != owner_) {
@@ -311,7 +311,7 @@ void Simulator::publish_clock() {
 }
 
 void Simulator::report(Diagnostics::Status& status, double seconds) {
-  std::lock_guard<std::mutex> lock(mutex_);
+  Lock lock(mutex_);
   using Phase = Lockstep::Phase;
   if (!abort_reason_.empty()) {
     status.summary(DiagnosticStatus::ERROR, abort_reason_);

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -18,6 +17,7 @@
 #include <threelink_msgs/Reset.h>
 #include <threelink_msgs/SwimmerState.h>
 
+#include "threelink_sim/mutex.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
 #include "threelink_sim/node/intake.hpp"
@@ -57,27 +57,27 @@ class Simulator {
   void on_episode(const Event<threelink_msgs::Episode>& event);
 
   // Whether another node than `caller` plays an episode, and has said so.
-  bool taken(const std::string& caller) const;
-  SwimmerState start_state(const threelink_msgs::Reset::Request& request) const;
+  bool taken(const std::string& caller) const REQUIRES(mutex_);
+  SwimmerState start_state(const threelink_msgs::Reset::Request& request) const REQUIRES(mutex_);
   // What is due: the step, the end of the patience with a silent peer, throttled output.
-  void act();
-  Time deadline() const;
-  void step(Time now);
-  void abort();
-  void publish_state();
-  void publish_observation();
-  void publish_standard();
-  void publish_clock();
+  void act() REQUIRES(mutex_);
+  Time deadline() const REQUIRES(mutex_);
+  void step(Time now) REQUIRES(mutex_);
+  void abort() REQUIRES(mutex_);
+  void publish_state() REQUIRES(mutex_);
+  void publish_observation() REQUIRES(mutex_);
+  void publish_standard() REQUIRES(mutex_);
+  void publish_clock() REQUIRES(mutex_);
   void report(Diagnostics::Status& status, double seconds);
 
   // Guards all below: the main thread serves deadlines, service and diagnostics; the lock-step's
   // messages come in it too, or in the network thread when there is no pace to keep.
-  std::mutex mutex_;
+  Mutex mutex_;
   DirectQueue direct_queue_;
 
   SimulatorConfig config_;
-  Environment environment_;
-  Lockstep lockstep_;
+  Environment environment_ GUARDED_BY(mutex_);
+  Lockstep lockstep_ GUARDED_BY(mutex_);
 
   ros::NodeHandle node_;
   Diagnostics diagnostics_;

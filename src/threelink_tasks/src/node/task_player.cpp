@@ -92,28 +92,32 @@ bool TaskPlayer::wait_for(double seconds, const std::function<bool()>& condition
 std::optional<PlayedEpisode> TaskPlayer::play(const Assignment& assignment, const Watch& watch) {
   wait_until_ready();
   if (!threelink_sim::running()) return {};
-  assignment_ = assignment;
-  if (!start_episode()) return {};
+  if (!start_episode(assignment)) return {};
   std::unique_ptr<PointInput> points;
-  if (assignment_.task->takes_points()) {
+  if (assignment.task->takes_points()) {
     const double metre = config_.simulator.scales.length;
     const auto take_point = [this, metre](const Eigen::Vector2d& point) {
-      std::lock_guard<std::mutex> lock(mutex_);
+      threelink_sim::Lock lock(mutex_);
       assignment_.task->take_point(point / metre);
     };
-    points = std::make_unique<PointInput>(node_, diagnostics_, metre * first_centroid_, metre,
-                                          take_point, [this] { ++refused_points_; });
+    const Eigen::Vector2d start = [this] {
+      threelink_sim::Lock lock(mutex_);
+      return first_centroid_;
+    }();
+    points = std::make_unique<PointInput>(node_, diagnostics_, metre * start, metre, take_point,
+                                          [this] { ++refused_points_; });
   }
   while (this->watch(watch))
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(kPathPeriod));
   if (config_.record) wait_for(kRecordingTimeout, [this] { return recorded(); });
+  threelink_sim::Lock lock(mutex_);
   std::printf("%s\n", line().c_str());
   std::fflush(stdout);
   return PlayedEpisode{episode_, energy_, recording_};
 }
 
 bool TaskPlayer::watch(const Watch& watch) {
-  std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   const double silence = std::chrono::duration<double>(Clock::now() - heard_).count();
   const std::string wanted = watch(episode_);
   if (playing_ && !threelink_sim::running()) {
@@ -130,7 +134,6 @@ bool TaskPlayer::watch(const Watch& watch) {
   return playing_;
 }
 
-// Callers hold the mutex.
 void TaskPlayer::show() {
   path_publisher_.publish(target_path_.message());
   if (shown_waypoint_ == episode_.waypoint) return;
@@ -164,10 +167,10 @@ void TaskPlayer::wait_until_ready() {
                                     threelink_sim::excerpt(recording_->status, 1000));
 }
 
-bool TaskPlayer::start_episode() {
-  const Start start = assignment_.task->start();
+bool TaskPlayer::start_episode(const Assignment& assignment) {
+  const Start start = assignment.task->start();
   threelink_msgs::Reset reset;
-  reset.request.seed = assignment_.seed;
+  reset.request.seed = assignment.seed;
   reset.request.random_start = start.random;
   reset.request.x_1 = {start.x_1.x(), start.x_1.y()};
   reset.request.theta_1 = start.theta_1;
@@ -193,7 +196,8 @@ bool TaskPlayer::start_episode() {
   if (!threelink_sim::well_formed(state))
     throw std::runtime_error("the simulator started from a state that is none");
 
-  std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
+  assignment_ = assignment;
   simulator_.expect(simulator);
   first_centroid_ = {state.centroid[0], state.centroid[1]};
   assignment_.task->reset(assignment_.seed, state.episode);
@@ -220,7 +224,7 @@ bool TaskPlayer::start_episode() {
 
 void TaskPlayer::on_state(const Event<threelink_msgs::SwimmerState>& event) {
   const threelink_msgs::SwimmerState& state = *event.getConstMessage();
-  std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (!playing_) return;
   if (!simulator_.may_be(event.getPublisherName())) {
     ++strange_states_;
@@ -276,7 +280,7 @@ void TaskPlayer::publish_target(const ros::Time& stamp) {
 
 void TaskPlayer::on_abort(const Event<threelink_msgs::EpisodeAbort>& event) {
   const threelink_msgs::EpisodeAbort& message = *event.getConstMessage();
-  std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (!playing_ || message.episode != episode_.episode) return;
   if (simulator_.may_be(event.getPublisherName()))
     end_episode(Episode::ABORTED, threelink_sim::excerpt(message.reason, 1000));
@@ -292,6 +296,7 @@ void TaskPlayer::on_recording(const Event<Recording>& event) {
   }
   recorder_.is(event.getPublisherName());
   recorder_ready_ = true;
+  threelink_sim::Lock lock(mutex_);
   // Episode 0: it cannot record any.
   if ((message.episode == episode_.episode || message.episode == 0) &&
       message.state != Recording::READY)
@@ -335,7 +340,7 @@ std::string TaskPlayer::line() const {
 }
 
 void TaskPlayer::report(threelink_sim::Diagnostics::Status& status, double seconds) {
-  std::lock_guard<std::mutex> lock(mutex_);
+  threelink_sim::Lock lock(mutex_);
   if (episode_.status == Episode::ABORTED) {
     status.summary(DiagnosticStatus::ERROR, "aborted: " + episode_.reason);
   } else {

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -15,6 +14,7 @@
 #include <threelink_msgs/SwimmerState.h>
 
 #include "task_config.hpp"
+#include "threelink_sim/mutex.hpp"
 #include "threelink_sim/node/diagnostics.hpp"
 #include "threelink_sim/node/direct_queue.hpp"
 #include "threelink_sim/node/intake.hpp"
@@ -50,7 +50,7 @@ class TaskPlayer {
 
   void wait_until_ready();
   // False if the node has to end before it starts.
-  bool start_episode();
+  bool start_episode(const Assignment& assignment);
   // Ends the episode if the node has to end, the simulator is silent or somebody wants it ended;
   // false once it is over.
   bool watch(const Watch& watch);
@@ -59,12 +59,12 @@ class TaskPlayer {
   void on_state(const Event<threelink_msgs::SwimmerState>& event);
   void on_abort(const Event<threelink_msgs::EpisodeAbort>& event);
   void on_recording(const Event<threelink_msgs::Recording>& event);
-  void answer(const threelink_msgs::SwimmerState& state);
-  void publish_target(const ros::Time& stamp);
-  void show();
-  void end_episode(std::uint8_t status, const std::string& reason = "");
+  void answer(const threelink_msgs::SwimmerState& state) REQUIRES(mutex_);
+  void publish_target(const ros::Time& stamp) REQUIRES(mutex_);
+  void show() REQUIRES(mutex_);
+  void end_episode(std::uint8_t status, const std::string& reason = "") REQUIRES(mutex_);
   bool recorded() const;
-  std::string line() const;
+  std::string line() const REQUIRES(mutex_);
   void report(threelink_sim::Diagnostics::Status& status, double seconds);
 
   PlayerConfig config_;
@@ -81,18 +81,18 @@ class TaskPlayer {
 
   // States are answered in roscpp's network thread; all else happens in the main one. Guards what
   // both use: from here to target_path_.
-  std::mutex mutex_;
-  Assignment assignment_;
-  bool playing_ = false;
-  threelink_msgs::Episode episode_;  // the one that is played or was played last
-  double energy_ = 0;                // [C_perp L^3/T0] of that one
-  std::uint64_t next_step_ = 0;      // of the state that is awaited
-  std::uint64_t steps_ = 0;          // since the last report
-  Eigen::Vector2d first_centroid_;   // [L]
-  Clock::time_point heard_;          // when the simulator was heard last
-  threelink_sim::Peer simulator_;    // whose states count
-  geometry_msgs::PointStamped target_;
-  threelink_sim::ThinnedPath target_path_;
+  threelink_sim::Mutex mutex_;
+  Assignment assignment_ GUARDED_BY(mutex_);
+  bool playing_ GUARDED_BY(mutex_) = false;
+  threelink_msgs::Episode episode_ GUARDED_BY(mutex_);  // the one that is played or was played last
+  double energy_ GUARDED_BY(mutex_) = 0;                // [C_perp L^3/T0] of that one
+  std::uint64_t next_step_ GUARDED_BY(mutex_) = 0;      // of the state that is awaited
+  std::uint64_t steps_ GUARDED_BY(mutex_) = 0;          // since the last report
+  Eigen::Vector2d first_centroid_ GUARDED_BY(mutex_);   // [L]
+  Clock::time_point heard_ GUARDED_BY(mutex_);          // when the simulator was heard last
+  threelink_sim::Peer simulator_ GUARDED_BY(mutex_);    // whose states count
+  geometry_msgs::PointStamped target_ GUARDED_BY(mutex_);
+  threelink_sim::ThinnedPath target_path_ GUARDED_BY(mutex_);
 
   std::optional<std::uint32_t> shown_waypoint_;         // of this episode
   threelink_sim::Peer recorder_;                        // whose words count

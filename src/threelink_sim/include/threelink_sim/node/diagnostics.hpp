@@ -5,12 +5,13 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <mutex>
 #include <string>
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
 #include <ros/steady_timer.h>
+
+#include "threelink_sim/mutex.hpp"
 
 namespace threelink_sim {
 
@@ -47,8 +48,8 @@ class Diagnostics {
   void update(Status& status);
 
   Report report_;
-  std::mutex mutex_;  // of the entries: a node may still be under construction
-  std::deque<Entry> entries_;
+  Mutex mutex_;  // of the entries: a node may still be under construction
+  std::deque<Entry> entries_ GUARDED_BY(mutex_);
   ros::SteadyTime last_;
   diagnostic_updater::Updater updater_;
   ros::SteadyTimer timer_;

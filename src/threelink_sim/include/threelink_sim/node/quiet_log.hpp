@@ -3,8 +3,9 @@
 
 #include <chrono>
 #include <cstdint>
-#include <mutex>
 #include <string>
+
+#include "threelink_sim/mutex.hpp"
 
 namespace threelink_sim {
 
@@ -18,10 +19,10 @@ class QuietLog {
  private:
   void say(const std::string& text, bool error);
 
-  std::mutex mutex_;
-  bool said_ = false;
-  std::chrono::steady_clock::time_point last_;
-  std::uint64_t left_out_ = 0;
+  Mutex mutex_;
+  bool said_ GUARDED_BY(mutex_) = false;
+  std::chrono::steady_clock::time_point last_ GUARDED_BY(mutex_);
+  std::uint64_t left_out_ GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace threelink_sim
