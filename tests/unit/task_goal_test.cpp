@@ -83,6 +83,11 @@ TEST(TaskGoal, RefusalsNameFileKeyValueAndBound) {
             "test: goal.v_ratio = 101.0: must be in [0, 100]");
 }
 
+TEST(TaskGoal, ABrokenPointFileIsNamedLikeAnyOtherValue) {
+  EXPECT_EQ(refusal("kind: waypoints, bonus: 1.0, v_m: 0.01, random_start: true, points: /nowhere"),
+            "test: goal.points = /nowhere: /nowhere: cannot open: No such file or directory");
+}
+
 TEST(TaskGoal, RewardsProgressAndCapture) {
   const TrainConfig config = config_with(kPursuit);
   constexpr std::size_t kLanes = 20;

@@ -30,13 +30,10 @@ int read_version(ParameterMap& map) {
 }
 
 // The goal and the observation of version 1.
-void read_homing(ParameterMap& map, TrainConfig& config) {
-  ParameterMap section = map.section("homing");
+void read_homing(ParameterMap& section, TrainConfig& config) {
   const FieldReader read(section);
   read("observation", config.observation, "");
   threelink_sim::PointsGoal::fields(config.goal.points.emplace(), read);
-  map.finish();  // first, since what is not known says more than what is missing
-  section.finish();
 }
 
 FieldTexts texts_of(const TrainConfig& config) {
@@ -89,18 +86,19 @@ TrainConfig parse_train_config(const std::string& yaml, const std::string& sourc
   const int version = read_version(map);
   TrainConfig config;
   TrainConfig::fields(config, FieldReader(map), version);
-  if (version == 1 && map.has_section("homing")) {
-    read_homing(map, config);
-  } else if (version >= 2) {
+  std::optional<ParameterMap> section;
+  if (version >= 2) {
     if (map.has_section("homing"))
       map.refuse("homing",
                  "is of version 1; now it is `goal: {kind: points, ..}`, and observation");
-    ParameterMap section = map.section("goal");
-    config.goal = threelink_sim::read_goal(section, config.environment.dt);
-    map.finish();
-    section.finish();
+    section.emplace(map.section("goal"));
+    config.goal = threelink_sim::read_goal(*section, config.environment.dt);
+  } else if (map.has_section("homing")) {
+    section.emplace(map.section("homing"));
+    read_homing(*section, config);
   }
-  map.finish();
+  map.finish();  // first, since what is not known says more than what is missing
+  if (section) section->finish();
   config.environment.observation = config.critic_observation();
   try {
     config.validate();

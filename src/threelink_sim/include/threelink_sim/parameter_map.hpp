@@ -109,6 +109,7 @@ class ParameterMap {
   std::int64_t whole_number(const std::string& name, const YAML::Node& value,
                             Range<std::int64_t> range) const;
   std::string described(const YAML::Node& value) const;
+  std::string full_name(const std::string& name) const;  // as messages begin
   ParameterError error(const std::string& name, const std::string& value,
                        const std::string& reason) const;
   template <class Value>

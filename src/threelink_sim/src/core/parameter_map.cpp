@@ -148,10 +148,14 @@ std::string ParameterMap::described(const YAML::Node& value) const {
   return excerpt(text.str());
 }
 
+std::string ParameterMap::full_name(const std::string& name) const {
+  if (style_ == Style::kFile) return fmt::format("{}: {}{}", scope_, section_, name);
+  return fmt::format("{}/{}", scope_, name);
+}
+
 ParameterError ParameterMap::error(const std::string& name, const std::string& value,
                                    const std::string& reason) const {
-  const std::string key = style_ == Style::kFile ? fmt::format("{}: {}{}", scope_, section_, name)
-                                                 : fmt::format("{}/{}", scope_, name);
+  const std::string key = full_name(name);
   const std::string text = fmt::format("{}{}: {}", key, value.empty() ? "" : " = " + value, reason);
   if (style_ == Style::kParameters) return ParameterError(text);
   return ParameterError(text, fmt::format("{}: {}", key, reason));
@@ -266,7 +270,7 @@ ParameterMap::Points ParameterMap::points(
     try {
       points = from_text(value.Scalar());
     } catch (const UsageError& error) {
-      throw within<ParameterError>(fmt::format("{}/{} = {}", scope_, name, described(value)),
+      throw within<ParameterError>(fmt::format("{} = {}", full_name(name), described(value)),
                                    error);
     }
   } else if (type_of(value) != Type::kList) {

@@ -26,7 +26,7 @@ void find_plugins() {
     // Lives as long as the process: the tasks' code is in the libraries that it has loaded.
     static auto* const loader = new Loader("threelink_tasks", "threelink_tasks::Task");
     for (const std::string& name : loader->getDeclaredClasses())
-      register_task(name, [name] { return make(*loader, name); });
+      if (!has_task(name)) register_task(name, [name] { return make(*loader, name); });
   } catch (const pluginlib::PluginlibException&) {
     // This package is not in the workspace that is sourced: nor is one that depends on it.
   }
