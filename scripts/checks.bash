@@ -81,7 +81,13 @@ test_cores() {
 
 # --- Fuzzers and linters -------------------------------------------------------------------------
 
-fuzz() { # [SECONDS [NAME...]]
+fuzz() { # [--seed=N] [SECONDS [NAME...]]
+  local seed=0
+  if [[ ${1:-} == --seed=* ]]; then
+    seed=${1#--seed=}
+    shift
+    if [[ ! $seed =~ ^[0-9]{1,9}$ ]]; then misused "fuzz --seed=$seed: the seed must be a whole number"; fi
+  fi
   local seconds=${1:-20}
   if [[ ! $seconds =~ ^[1-9][0-9]{0,5}$ ]]; then
     misused "fuzz $seconds: the seconds for each reader must be a whole number from 1 on"
@@ -93,7 +99,7 @@ fuzz() { # [SECONDS [NAME...]]
   configure_address
   make_checked "$checked" fuzzers
   attend setsid /usr/bin/python3 "$root/scripts/fuzz.py" \
-    "$checked/fuzzers" "$(jobs_at_once)" "$seconds" "${@:2}"
+    "$checked/fuzzers" "$(jobs_at_once)" "$seconds" "$seed" "${@:2}"
 }
 
 lint() { # [--brief]
@@ -109,7 +115,7 @@ check() { # [--brief]: all parts run, whatever comes of the others
   tally test --cores
   if [[ ${1:-} == --brief ]]; then
     tally test --sanitize=thread
-    tally fuzz 20
+    tally fuzz --seed=1 10  # the same inputs for each change, so that a failure is due to the change
     tally lint --brief
   else
     tally test --sanitize

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Runs the fuzz harnesses: fuzz.py FOLDER JOBS SECONDS [NAME...]
+"""Runs the fuzz harnesses: fuzz.py FOLDER JOBS SECONDS SEED [NAME...]
 
-Each gets SECONDS, from the inputs in tests/fuzz/corpus/NAME and those that earlier runs left in
+Each gets SECONDS and starts its random numbers from SEED (0: another one each time), from the inputs in tests/fuzz/corpus/NAME and those that earlier runs left in
 build/fuzz/NAME. The input of a finding stays in build/fuzz. The last line counts the harnesses.
 """
 import concurrent.futures
@@ -19,11 +19,11 @@ def statistic(log, name):
     return int(found.group(1)) if found else 0
 
 
-def fuzz(program, name, seconds):
+def fuzz(program, name, seconds, seed):
     """Whether nothing was found."""
     grown = ROOT / "build" / "fuzz" / name
     grown.mkdir(parents=True, exist_ok=True)
-    command = [str(program), f"-max_total_time={seconds}", *LIMITS, "-print_final_stats=1",
+    command = [str(program), f"-max_total_time={seconds}", f"-seed={seed}", *LIMITS, "-print_final_stats=1",
                f"-artifact_prefix={grown.parent}/{name}-", str(grown),
                str(ROOT / "tests" / "fuzz" / "corpus" / name)]
     log_file = grown.parent / f"{name}.log"
@@ -43,14 +43,14 @@ def fuzz(program, name, seconds):
     return False
 
 
-def main(folder, jobs, seconds, names):
+def main(folder, jobs, seconds, seed, names):
     programs = {path.name[:-len("_fuzz")]: path for path in sorted(folder.glob("*_fuzz"))}
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
-        results = list(pool.map(lambda name: fuzz(programs[name], name, seconds),
+        results = list(pool.map(lambda name: fuzz(programs[name], name, seconds, seed),
                                 names or programs))
     print(f"{results.count(True)} passed, {results.count(False)} failed")
     return 0 if results and all(results) else 1
 
 
 if __name__ == "__main__":
-    sys.exit(main(pathlib.Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), sys.argv[4:]))
+    sys.exit(main(pathlib.Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4]), sys.argv[5:]))
