@@ -48,6 +48,7 @@ packages=(
   libopenblas0-pthread                                    # without it LibTorch is six times slower
   libeigen3-dev libfmt-dev libssl-dev libyaml-cpp-dev nlohmann-json3-dev
   pkg-config libnlopt-dev libnlopt-cxx-dev                # optimal strokes
+  libpng-dev                                              # maps
   libgtest-dev                                            # tests
   python3-numpy python3-matplotlib ffmpeg                 # pictures, movies
   iproute2                                                # workers on other machines, tests of them

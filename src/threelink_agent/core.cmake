@@ -1,5 +1,4 @@
 # The parts of this package that know no ROS; with catkin and without it (../cores/CMakeLists.txt).
-find_package(OpenSSL REQUIRED)
 find_package(Threads REQUIRED)
 find_package(Torch QUIET)
 
@@ -14,13 +13,12 @@ add_library(threelink_agent_core
   ${CMAKE_CURRENT_LIST_DIR}/src/core/policy.cpp
   ${CMAKE_CURRENT_LIST_DIR}/src/core/policy_file.cpp
   ${CMAKE_CURRENT_LIST_DIR}/src/core/safetensors.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/src/core/sha256.cpp
 )
 threelink_add_kernels(threelink_agent_core ${CMAKE_CURRENT_LIST_DIR}/src/kernel/network_kernels)
 target_include_directories(threelink_agent_core PUBLIC ${CMAKE_CURRENT_LIST_DIR}/include)
 target_link_libraries(threelink_agent_core
   PUBLIC threelink_sim_core
-  PRIVATE fmt::fmt nlohmann_json::nlohmann_json OpenSSL::Crypto)
+  PRIVATE fmt::fmt nlohmann_json::nlohmann_json)
 
 # Training, without LibTorch. It is not among catkin's LIBRARIES: a robot needs none of it.
 add_library(threelink_agent_training

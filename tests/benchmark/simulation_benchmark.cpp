@@ -5,6 +5,7 @@
 
 #include "threelink_sim/batch.hpp"
 #include "threelink_sim/environment.hpp"
+#include "threelink_sim/isa.hpp"
 #include "threelink_sim/random.hpp"
 #include "threelink_sim/reference/nine_by_nine.hpp"
 

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <string>
 
+#include "threelink_sim/sha256.hpp"
 #include "fuzz.hpp"
-#include "threelink_agent/sha256.hpp"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 
@@ -40,9 +40,9 @@ void seal(std::string& bytes) {
   length = std::min<std::uint64_t>(length, bytes.size() - kLengthBytes);
   std::string header = bytes.substr(kLengthBytes, length);
   const std::string data = bytes.substr(kLengthBytes + length);
-  put_digits(header, "sha256", threelink_agent::sha256(data));
+  put_digits(header, "sha256", threelink_sim::sha256(data));
   put_digits(header, "header_sha256", std::string(kDigits, '0'));
-  put_digits(header, "header_sha256", threelink_agent::sha256(header));
+  put_digits(header, "header_sha256", threelink_sim::sha256(header));
   std::memcpy(bytes.data(), &length, kLengthBytes);
   bytes = bytes.substr(0, kLengthBytes) + header + data;
 }

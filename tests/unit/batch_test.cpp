@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "threelink_sim/environment.hpp"
+#include "threelink_sim/isa.hpp"
 #include "threelink_sim/random.hpp"
 
 namespace threelink_tests {

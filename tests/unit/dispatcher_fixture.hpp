@@ -15,7 +15,7 @@
 #include "threelink_agent/distributed/dispatcher.hpp"
 #include "threelink_agent/distributed/fingerprint.hpp"
 #include "threelink_agent/distributed/lease_player.hpp"
-#include "threelink_agent/sha256.hpp"
+#include "threelink_sim/sha256.hpp"
 
 namespace {
 
@@ -63,7 +63,7 @@ class DispatcherTest : public testing::Test {
     const Trainer trainer = threelink_tests::trainer_of(config);
     const Policy policy = trainer.policy();
     player_.load(policy.serialize(), "test");
-    update_ = {version, sha256(policy.serialize()), version * kEpisodes, kEpisodes};
+    update_ = {version, threelink_sim::sha256(policy.serialize()), version * kEpisodes, kEpisodes};
     play_ = Play{config.environment, config.goal, config.symmetry.canonical, policy.actor(),
                  policy.log_std(),   config.seed, update_.first_episode};
     expected_ = LocalRollouts(1).play(*play_, kEpisodes);

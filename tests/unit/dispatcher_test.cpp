@@ -16,8 +16,8 @@
 #include "threelink_agent/distributed/fingerprint.hpp"
 #include "threelink_agent/distributed/lease_player.hpp"
 #include "threelink_agent/distributed/remote_rollouts.hpp"
-#include "threelink_agent/sha256.hpp"
 #include "threelink_sim/isa.hpp"
+#include "threelink_sim/sha256.hpp"
 
 namespace {
 

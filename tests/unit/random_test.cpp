@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "threelink_sim/isa.hpp"
+#include "threelink_sim/kernel/kernels.hpp"
 
 namespace threelink_tests {
 namespace {

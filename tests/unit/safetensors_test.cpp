@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "threelink_agent/sha256.hpp"
 #include "threelink_sim/random.hpp"
+#include "threelink_sim/sha256.hpp"
 
 namespace threelink_tests {
 namespace {
@@ -43,14 +43,14 @@ Container example() {
 
 // The bytes of a file whose header is this text but for the digits of its hash.
 std::string file_of_text(std::string text, const std::string& data) {
-  const std::string hash = sha256(text);
+  const std::string hash = threelink_sim::sha256(text);
   text.replace(text.find(std::string(64, '0')), 64, hash);
   const std::uint64_t length = text.size();
   return std::string(reinterpret_cast<const char*>(&length), 8) + text + data;
 }
 
 std::string header_text(json header, const std::string& data) {
-  header["__metadata__"]["sha256"] = sha256(data);
+  header["__metadata__"]["sha256"] = threelink_sim::sha256(data);
   header["__metadata__"]["header_sha256"] = std::string(64, '0');
   return header.dump();
 }
@@ -74,7 +74,7 @@ void expect_refused(const std::string& bytes, const std::string& part) {
 }
 
 TEST(Sha256, AgreesWithFips180) {
-  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(threelink_sim::sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 TEST(Safetensors, ComesBackAsItWas) {

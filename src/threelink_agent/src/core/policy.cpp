@@ -10,7 +10,7 @@
 #include "threelink_agent/symmetry.hpp"
 #include "threelink_sim/environment.hpp"
 #include "threelink_sim/files.hpp"
-#include "threelink_sim/isa.hpp"
+#include "threelink_sim/kernel/kernels.hpp"
 #include "threelink_sim/random.hpp"
 
 namespace threelink_agent {

@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "threelink_agent/sha256.hpp"
 #include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/json.hpp"
+#include "threelink_sim/sha256.hpp"
 
 #if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "safetensors files are little-endian; this code copies memory as it is"
@@ -149,7 +149,7 @@ void check_header_hash(std::string header, const std::string& stated) {
   if (at == std::string::npos || header.find(stated, at + 1) != std::string::npos)
     throw ContainerError("the digits of header_sha256 are not there exactly once");
   header.replace(at, stated.size(), kZeroHash);
-  check_hash("header", stated, sha256(header));
+  check_hash("header", stated, threelink_sim::sha256(header));
 }
 
 // The JSON header, of a length that stands in front of it.
@@ -238,7 +238,7 @@ SerializedContainer serialize(const Container& container) {
                     {"data_offsets", {data.size(), data.size() + tensor.bytes.size()}}};
     data += tensor.bytes;
   }
-  const std::string data_hash = sha256(data);
+  const std::string data_hash = threelink_sim::sha256(data);
   header[kMetadata] = container.metadata;
   header[kMetadata][kDataHash] = data_hash;
   header[kMetadata][kHeaderHash] = kZeroHash;
@@ -257,7 +257,7 @@ SerializedContainer serialize(const Container& container) {
   // Quotes inside of text are escaped, so that this finds the key and nothing else.
   const std::size_t key = text.find(fmt::format("\"{}\":\"", kHeaderHash));
   const std::size_t digits = text.find(kZeroHash, key);
-  text.replace(digits, kZeroHash.size(), sha256(text));
+  text.replace(digits, kZeroHash.size(), threelink_sim::sha256(text));
 
   const std::uint64_t length = text.size();
   const std::string prefix(reinterpret_cast<const char*>(&length), kLengthBytes);
@@ -295,7 +295,7 @@ Container parse_container(const std::string& bytes, std::string& data_hash) {
   }
   if (end != data.size())
     throw ContainerError(fmt::format("data of {} bytes, expected {}", data.size(), end));
-  check_hash("data part", data_hash, sha256(data));
+  check_hash("data part", data_hash, threelink_sim::sha256(data));
   return container;
 }
 

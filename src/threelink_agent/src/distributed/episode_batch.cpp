@@ -1,4 +1,5 @@
 #include "threelink_agent/distributed/episode_batch.hpp"
+#include "threelink_sim/sha256.hpp"
 
 #include <algorithm>
 #include <string_view>
@@ -6,14 +7,13 @@
 
 #include <fmt/format.h>
 
-#include "threelink_agent/sha256.hpp"
 
 namespace threelink_agent {
 namespace {
 
 template <class Value>
 std::string hash_of(const std::vector<Value>& values) {
-  return sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)});
+  return threelink_sim::sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)});
 }
 
 bool finite(const std::vector<float>& values) {
@@ -37,7 +37,7 @@ void put(Rollout&& rollout, EpisodeBatch& batch) {
 }
 
 std::string checksum(const EpisodeBatch& b) {
-  return sha256(fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", b.session, b.version,
+  return threelink_sim::sha256(fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", b.session, b.version,
                             b.policy, b.lease, b.worker, b.first_episode, b.episodes, b.steps,
                             b.observation_size, b.hinges, hash_of(b.observations),
                             hash_of(b.actions), hash_of(b.log_probs), hash_of(b.rewards),

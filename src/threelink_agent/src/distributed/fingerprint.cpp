@@ -8,9 +8,9 @@
 #include <Eigen/Core>
 
 #include "threelink_agent/distributed/episode_batch.hpp"
-#include "threelink_agent/sha256.hpp"
 #include "threelink_agent/training/rollout.hpp"
 #include "threelink_sim/random.hpp"
+#include "threelink_sim/sha256.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -63,7 +63,7 @@ std::string fingerprint() {
   points.farthest = 0.02;
   points.threshold = 0.004;
   points.bonus = 1.5;
-  return sha256(hash_of_episodes(3) + hash_of_episodes(5) + hash_of_episodes(3, points));
+  return threelink_sim::sha256(hash_of_episodes(3) + hash_of_episodes(5) + hash_of_episodes(3, points));
 }
 
 }  // namespace threelink_agent

@@ -1,9 +1,9 @@
 #include "threelink_agent/distributed/lease_player.hpp"
+#include "threelink_sim/sha256.hpp"
 
 #include <new>
 #include <stdexcept>
 
-#include "threelink_agent/sha256.hpp"
 
 namespace threelink_agent {
 
@@ -21,7 +21,7 @@ void LeasePlayer::load(const std::string& bytes, const std::string& source) {
                policy.log_std(),
                config_.seed,
                0};
-  policy_ = sha256(bytes);
+  policy_ = threelink_sim::sha256(bytes);
 }
 
 EpisodeBatch LeasePlayer::play(const Assignment& assignment) {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "threelink_agent/sha256.hpp"
 #include "threelink_agent/training/trainer.hpp"
+#include "threelink_sim/sha256.hpp"
 
 namespace threelink_agent {
 
@@ -23,7 +23,7 @@ Rollout RemoteRollouts::play(const Play& play, int episodes) {
   const std::uint64_t version = play.first_episode / config_.update.episodes;
   std::unique_lock<std::mutex> lock(mutex_);
   wire_.send_policy(version, policy.serialize());
-  dispatcher_.open({version, sha256(policy.serialize()), play.first_episode, episodes},
+  dispatcher_.open({version, threelink_sim::sha256(policy.serialize()), play.first_episode, episodes},
                    Rollout(play.environment, episodes), play);
   last_alive_ = Clock::now();
   send_what_is_due();

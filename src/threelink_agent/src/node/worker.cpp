@@ -15,11 +15,11 @@
 #include <unistd.h>
 
 #include "threelink_agent/distributed/fingerprint.hpp"
-#include "threelink_agent/sha256.hpp"
 #include "threelink_sim/excerpt.hpp"
 #include "threelink_sim/isa.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/topics.hpp"
+#include "threelink_sim/sha256.hpp"
 #include "training_messages.hpp"
 
 namespace threelink_agent {
@@ -131,7 +131,7 @@ void Worker::tell_what_is_held() {
 void Worker::on_policy(const ros::MessageEvent<threelink_msgs::PolicyWeights const>& event) {
   const threelink_msgs::PolicyWeights& message = *event.getConstMessage();
   std::string bytes(message.data.begin(), message.data.end());
-  const std::string hash = sha256(bytes);
+  const std::string hash = threelink_sim::sha256(bytes);
   threelink_sim::Lock lock(mutex_);
   Learner& from = learner(event.getPublisherName());
   from.policy_bytes = std::move(bytes);

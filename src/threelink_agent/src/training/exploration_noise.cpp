@@ -1,6 +1,6 @@
 #include "threelink_agent/training/exploration_noise.hpp"
 
-#include "threelink_sim/isa.hpp"
+#include "threelink_sim/kernel/kernels.hpp"
 
 namespace threelink_agent {
 

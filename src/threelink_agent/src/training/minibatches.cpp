@@ -3,7 +3,7 @@
 #include <numeric>
 #include <utility>
 
-#include "threelink_sim/isa.hpp"
+#include "threelink_sim/kernel/kernels.hpp"
 #include "threelink_sim/random.hpp"
 
 namespace threelink_agent {

@@ -32,7 +32,7 @@ double Rollout::mean_return() const {
 }
 
 threelink_sim::SwimmerState start_of(const Play& play, int i) {
-  return threelink_sim::random_start(play.environment.model, play.seed, play.first_episode + i);
+  return threelink_sim::random_start(play.environment, play.seed, play.first_episode + i);
 }
 
 RolloutActor::RolloutActor(const Play& play, int begin, int end, Rollout& rollout)

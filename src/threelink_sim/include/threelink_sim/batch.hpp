@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "threelink_sim/isa.hpp"
+#include "threelink_sim/kernel/kernels.hpp"
 #include "threelink_sim/swimmer.hpp"
 
 namespace threelink_sim {
@@ -30,6 +30,11 @@ class Batch {
 
   // One action step of all; see threelink_sim::advance.
   void advance(double dt, int substeps);
+
+  // For steps that are more than advance(): what the kernels take, pointing into this batch.
+  AdvanceArgs arguments(double dt, int substeps);
+  // Of lane i, leaving its hinge angles and what the last step did.
+  void set_pose(std::size_t i, const Eigen::Vector2d& centroid, double heading);
 
   // What the last advance() did.
   const double* dx() const { return displacement_.data(); }       // [L] of the centroid

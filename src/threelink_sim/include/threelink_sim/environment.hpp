@@ -5,6 +5,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 
 #include "threelink_sim/batch.hpp"
 #include "threelink_sim/observation.hpp"
+#include "threelink_sim/world/world_stepper.hpp"
 
 namespace threelink_sim {
 
@@ -22,6 +25,7 @@ struct EnvironmentConfig {
   double c = 0.0;
   std::uint32_t steps = 200;
   ObservationKind observation = ObservationKind::kDirection;
+  std::shared_ptr<const World> world;  // null: still water, as an empty world
 
   // The swimmer and its action step.
   template <class Self, class Visit>
@@ -57,9 +61,11 @@ std::string swimmer_difference(const EnvironmentConfig& found, const Environment
 struct StepRecord {
   SwimmerState state;
   HingeVector hinge_rates;  // [1/T0] (N-1) held in that step, after the joint limit cut them
-  double power = 0;         // [C_perp L^3/T0^2] rate of work for these rates in this shape
-  double work = 0;          // [C_perp L^3/T0] of that step
-  double reward = 0;        // [1] b dx.p - c W of that step
+  double power = 0;   // [C_perp L^3/T0^2] rate of the hinges' work for these rates in this state
+  double work = 0;    // [C_perp L^3/T0] of the hinges in that step; a flow may do some of it
+  double reward = 0;  // [1] b dx.p - c max(W, 0) of that step
+  double dissipation = 0;  // [C_perp L^3/T0] of that step; the work, in still water
+  ContactRecord contact;   // with obstacles
 };
 
 class Environment {
@@ -75,8 +81,9 @@ class Environment {
   const Batch& batch() const { return batch_; }
 
   // Starts lane i anew, with a target infinitely far away towards p = (1, 0) until there is
-  // another.
-  void reset(std::size_t i, const SwimmerState& state);
+  // another. The key is of the world's noise and time. Throws std::invalid_argument if the world
+  // has no room for that state.
+  void reset(std::size_t i, const SwimmerState& state, const EpisodeKey& key = {});
 
   // The target, as seen from where lane i is now; defines the observation and the next step's
   // reward: a point [L], or [1] the unit vector p to one infinitely far away.
@@ -91,9 +98,14 @@ class Environment {
   void observe(double* out) const;
 
   // Rates wanted, hinge j of lane i at [j * lanes() + i], [1/T0]; clipped to [-1, 1] and at the
-  // joint limit. Must be finite. rewards()[i] is then b dx.p - c W of the step.
+  // joint limit. Must be finite. rewards()[i] is then b dx.p - c max(W, 0) of the step: work that
+  // the flow does on the hinges is not paid for.
   void step(const double* rates);
   const double* rewards() const { return reward_.data(); }
+  double effort(std::size_t i) const;  // [C_perp L^3/T0] max(W, 0) of lane i
+
+  // Whether lane i has left the grid of the world's flow, which ends its episode.
+  bool left_grid(std::size_t i) const { return world_ && world_->left_grid(i); }
 
   // Of lane i; after reset() no step has led to its state, and rates, power, work and reward are 0.
   StepRecord record(std::size_t i) const;
@@ -102,6 +114,7 @@ class Environment {
   EnvironmentConfig config_;
   int substeps_;
   Batch batch_;
+  std::optional<WorldStepper> world_;  // none for still water
   std::vector<double> px_, py_, distance_, reward_;
   mutable std::vector<double> sine_, cosine_, clipped_;
 };
@@ -109,5 +122,9 @@ class Environment {
 // A start with all orientations free: centroid at the origin, heading uniform in (-pi, pi), hinge
 // angles uniform within the joint limit; keyed by (seed, episode).
 SwimmerState random_start(const Model& model, std::uint64_t seed, std::uint32_t episode);
+// The same among obstacles: drawn again, up to a thousand times, while it touches one. Throws
+// std::invalid_argument if none of them is free.
+SwimmerState random_start(const EnvironmentConfig& config, std::uint64_t seed,
+                          std::uint32_t episode);
 
 }  // namespace threelink_sim

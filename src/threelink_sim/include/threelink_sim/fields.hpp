@@ -15,6 +15,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -45,7 +46,7 @@ void visit_section(const std::string& section, Part& part, Visit& visit) {
 // --- Reading -------------------------------------------------------------------------------------
 
 // Reads each field by a getter of the map. A field that the map lacks keeps its value, unless the
-// map wants all of them (ParameterMap::Style::kFile).
+// map wants all of them (ParameterMap::Style::kFile) or the number is NaN, which stands for none.
 class FieldReader {
  public:
   explicit FieldReader(ParameterMap& map) : map_(map) {}
@@ -60,6 +61,16 @@ class FieldReader {
     field = static_cast<Whole>(map_.whole(
         name, {static_cast<std::int64_t>(range.low), static_cast<std::int64_t>(range.high)},
         default_of(static_cast<std::int64_t>(field))));
+  }
+  template <std::size_t n>
+  void operator()(const std::string& name, double (&field)[n], const Range<double>& range,
+                  const char* /*meaning*/) const {
+    map_.reals(name, field, {n}, range, has_default(field[0]));
+  }
+  template <std::size_t rows, std::size_t columns>
+  void operator()(const std::string& name, double (&field)[rows][columns],
+                  const Range<double>& range, const char* /*meaning*/) const {
+    map_.reals(name, field[0], {rows, columns}, range, has_default(field[0][0]));
   }
   void operator()(const std::string& name, bool& field, const char* /*meaning*/) const {
     field = map_.flag(name, default_of(field));
@@ -84,8 +95,15 @@ class FieldReader {
  private:
   template <class Value>
   std::optional<Value> default_of(const Value& value) const {
-    if (map_.style() == ParameterMap::Style::kFile) return {};
+    if (!has_default(value)) return {};
     return value;
+  }
+  // NaN stands for none.
+  template <class Value>
+  bool has_default(const Value& value) const {
+    if constexpr (std::is_floating_point_v<Value>)
+      if (std::isnan(value)) return false;
+    return map_.style() != ParameterMap::Style::kFile;
   }
 
   ParameterMap& map_;

@@ -59,6 +59,10 @@ class ParameterMap {
                      std::optional<std::int64_t> fallback = {});
   // A list of whole numbers, each within the range.
   std::vector<int> integers(const std::string& name, Range<int> range);
+  // Numbers of that shape into `values`, the last index running fastest: {2} wants [a, b], {2, 2}
+  // [[a, b], [c, d]]. `optional`: what is in `values` is the default.
+  void reals(const std::string& name, double* values, const std::vector<std::size_t>& shape,
+             Range<double> range, bool optional);
   bool flag(const std::string& name, std::optional<bool> fallback = {});
   std::string text(const std::string& name, std::optional<std::string> fallback = {});
   // One of several words.
@@ -69,6 +73,12 @@ class ParameterMap {
   Points points(const std::string& name, Range<double> range,
                 const std::function<Points(const std::string&)>& from_text,
                 const Points* fallback = nullptr);
+
+  // A list of maps, each for a reader of its own, who calls its finish(); none if it is absent.
+  std::vector<ParameterMap> list(const std::string& name);
+
+  // A map within, likewise.
+  ParameterMap map(const std::string& name);
 
   bool has(const std::string& name) const { return values_.IsMap() && values_[name]; }
 
@@ -108,6 +118,9 @@ class ParameterMap {
   double number(const std::string& name, const YAML::Node& value, Range<double> range) const;
   std::int64_t whole_number(const std::string& name, const YAML::Node& value,
                             Range<std::int64_t> range) const;
+  std::string read_reals(const std::string& name, const YAML::Node& value, double*& next,
+                         const std::size_t* shape, std::size_t dimensions,
+                         Range<double> range) const;
   std::string described(const YAML::Node& value) const;
   std::string full_name(const std::string& name) const;  // as messages begin
   ParameterError error(const std::string& name, const std::string& value,

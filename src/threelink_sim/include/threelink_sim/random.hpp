@@ -18,6 +18,8 @@ enum class Stream : std::uint32_t {
   kMinibatch = 5,       // order of the samples in an update
   kMirror = 6,          // which episodes of an update are mirrored
   kStroke = 7,          // where the search for an optimal stroke starts
+  kThermal = 8,         // thermal motion
+  kFlow = 9,            // waves of a random flow
 };
 
 // Word layout of a Philox counter: {draw, step, episode, stream}; the key is the 64-bit seed.

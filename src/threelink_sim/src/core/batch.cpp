@@ -34,7 +34,7 @@ SwimmerState Batch::state(std::size_t i) const {
   return state;
 }
 
-void Batch::advance(double dt, int substeps) {
+AdvanceArgs Batch::arguments(double dt, int substeps) {
   AdvanceArgs args;
   args.model = kernel_model(model_);
   args.dt = dt;
@@ -47,7 +47,15 @@ void Batch::advance(double dt, int substeps) {
   args.rates = rates_.data();
   args.displacement = displacement_.data();
   args.work = work_.data();
-  kernels_->advance(args);
+  return args;
+}
+
+void Batch::advance(double dt, int substeps) { kernels_->advance(arguments(dt, substeps)); }
+
+void Batch::set_pose(std::size_t i, const Eigen::Vector2d& centroid, double heading) {
+  x_[i] = centroid.x();
+  y_[i] = centroid.y();
+  heading_[i] = heading;
 }
 
 void Batch::heading_sincos(double* sine, double* cosine) const {

@@ -7,11 +7,15 @@
 #include <fmt/format.h>
 
 #include "threelink_sim/fields.hpp"
+#include "threelink_sim/isa.hpp"
 #include "threelink_sim/random.hpp"
 
 namespace threelink_sim {
 
-void EnvironmentConfig::validate() const { check_fields(*this); }
+void EnvironmentConfig::validate() const {
+  check_fields(*this);
+  if (world) world->check_step(dt, substeps(model, dt, 1.0));
+}
 
 std::string swimmer_difference(const EnvironmentConfig& found, const EnvironmentConfig& wanted) {
   const auto texts = [](const EnvironmentConfig& config) {
@@ -31,6 +35,17 @@ std::string swimmer_difference(const EnvironmentConfig& found, const Environment
   return difference;
 }
 
+namespace {
+
+// Those of the same instruction set.
+const WorldKernels& world_kernels_of(const Kernels& kernels) {
+  for (const Isa isa : available_isas())
+    if (to_string(isa) == kernels.isa) return world_kernels(isa);
+  return world_kernels();
+}
+
+}  // namespace
+
 Environment::Environment(const EnvironmentConfig& config, std::size_t lanes, const Kernels& kernels)
     : config_((config.validate(), config)),
       substeps_(substeps(config.model, config.dt, 1.0)),
@@ -45,9 +60,12 @@ Environment::Environment(const EnvironmentConfig& config, std::size_t lanes, con
   SwimmerState straight;
   straight.alpha = HingeVector::Zero(config.model.hinges());
   for (std::size_t i = 0; i < lanes; ++i) reset(i, straight);
+  if (config.world && !config.world->still())
+    world_.emplace(config.world, config.model, lanes, kernels, world_kernels_of(kernels));
 }
 
-void Environment::reset(std::size_t i, const SwimmerState& state) {
+void Environment::reset(std::size_t i, const SwimmerState& state, const EpisodeKey& key) {
+  if (world_) world_->reset(i, state, key);
   batch_.set_state(i, state);
   for (int j = 0; j < config_.model.hinges(); ++j) batch_.rates(j)[i] = 0;
   set_direction(i, {1.0, 0.0});
@@ -93,12 +111,19 @@ void Environment::step(const double* rates) {
     double* wanted = batch_.rates(j);
     for (std::size_t i = 0; i < n; ++i) wanted[i] = std::clamp(rates[j * n + i], -1.0, 1.0);
   }
-  batch_.advance(config_.dt, substeps_);
+  if (world_)
+    world_->advance(batch_, config_.dt, substeps_);
+  else
+    batch_.advance(config_.dt, substeps_);
   const double* dx = batch_.dx();
   const double* dy = batch_.dy();
-  const double* work = batch_.work();
   for (std::size_t i = 0; i < n; ++i)
-    reward_[i] = config_.b * (dx[i] * px_[i] + dy[i] * py_[i]) - config_.c * work[i];
+    reward_[i] = config_.b * (dx[i] * px_[i] + dy[i] * py_[i]) - config_.c * effort(i);
+}
+
+double Environment::effort(std::size_t i) const {
+  const double work = batch_.work()[i];
+  return world_ ? std::max(work, 0.0) : work;
 }
 
 StepRecord Environment::record(std::size_t i) const {
@@ -106,20 +131,52 @@ StepRecord Environment::record(std::size_t i) const {
   record.state = batch_.state(i);
   record.hinge_rates.resize(config_.model.hinges());
   for (int j = 0; j < config_.model.hinges(); ++j) record.hinge_rates[j] = batch_.rates(j)[i];
-  record.power = body_motion(config_.model, record.state.alpha, record.hinge_rates).power;
   record.work = batch_.work()[i];
   record.reward = reward_[i];
+  if (world_) {
+    record.power = world_->power(batch_, i, config_.dt);
+    record.dissipation = world_->dissipation()[i];
+    record.contact = world_->contact(i);
+  } else {
+    record.power = body_motion(config_.model, record.state.alpha, record.hinge_rates).power;
+    record.dissipation = record.work;
+  }
   return record;
 }
 
-SwimmerState random_start(const Model& model, std::uint64_t seed, std::uint32_t episode) {
-  Random random(seed, Stream::kStart, episode);
+namespace {
+
+SwimmerState draw_start(const Model& model, Random random) {
   SwimmerState state;
   state.heading = random.uniform(-kPi, kPi);
   state.alpha.resize(model.hinges());
   for (int j = 0; j < model.hinges(); ++j)
     state.alpha[j] = random.uniform(-model.joint_limit, model.joint_limit);
   return state;
+}
+
+}  // namespace
+
+SwimmerState random_start(const Model& model, std::uint64_t seed, std::uint32_t episode) {
+  return draw_start(model, Random(seed, Stream::kStart, episode));
+}
+
+SwimmerState random_start(const EnvironmentConfig& config, std::uint64_t seed,
+                          std::uint32_t episode) {
+  if (!config.world || config.world->obstacles().empty())
+    return random_start(config.model, seed, episode);
+  constexpr std::uint32_t kAttempts = 1000;
+  ContactSolver contacts(*config.world, config.model);
+  for (std::uint32_t attempt = 0;; ++attempt) {
+    const SwimmerState state =
+        draw_start(config.model, Random(seed, Stream::kStart, episode, attempt));
+    try {
+      contacts.check_free(state);
+      return state;
+    } catch (const std::invalid_argument&) {
+      if (attempt + 1 == kAttempts) throw;
+    }
+  }
 }
 
 }  // namespace threelink_sim

@@ -6,18 +6,6 @@
 
 namespace threelink_sim {
 
-namespace baseline {
-extern const Kernels kTable;
-}
-#if defined(THREELINK_X86)
-namespace avx2 {
-extern const Kernels kTable;
-}
-namespace avx512 {
-extern const Kernels kTable;
-}
-#endif
-
 std::string to_string(Isa isa) {
   switch (isa) {
     case Isa::kBaseline:
@@ -44,6 +32,12 @@ std::vector<Isa> available_isas() {
   return isas;
 }
 
+void require(Isa isa) {
+  const std::vector<Isa> isas = available_isas();
+  if (std::find(isas.begin(), isas.end(), isa) == isas.end())
+    throw std::invalid_argument("this processor does not run " + to_string(isa));
+}
+
 Isa isa_in_use() {
   static const Isa in_use = [] {
     const std::vector<Isa> isas = available_isas();
@@ -57,22 +51,6 @@ Isa isa_in_use() {
     throw std::invalid_argument("THREELINK_ISA=" + std::string(wanted) + ": this processor runs " +
                                 names);
   }();
-  return in_use;
-}
-
-const Kernels& kernels(Isa isa) {
-  const std::vector<Isa> isas = available_isas();
-  if (std::find(isas.begin(), isas.end(), isa) == isas.end())
-    throw std::invalid_argument("this processor does not run " + to_string(isa));
-#if defined(THREELINK_X86)
-  if (isa == Isa::kAvx512) return avx512::kTable;
-  if (isa == Isa::kAvx2) return avx2::kTable;
-#endif
-  return baseline::kTable;
-}
-
-const Kernels& kernels() {
-  static const Kernels& in_use = kernels(isa_in_use());
   return in_use;
 }
 

@@ -243,6 +243,53 @@ bool ParameterMap::flag(const std::string& name, std::optional<bool> fallback) {
   return keep(name, result, result ? "true" : "false");
 }
 
+// The values as YAML; those that are undefined stay as they are.
+std::string ParameterMap::read_reals(const std::string& name, const YAML::Node& value,
+                                     double*& next, const std::size_t* shape,
+                                     std::size_t dimensions, Range<double> range) const {
+  if (dimensions == 0) {
+    if (value.IsDefined()) *next = number(name, value, range);
+    return yaml_number(*next++);
+  }
+  if (value.IsDefined() && (!value.IsSequence() || value.size() != *shape))
+    refuse(name, dimensions == 1 ? fmt::format("must be a list of {} numbers", *shape)
+                                 : fmt::format("must be a list of {} lists of {} numbers", *shape,
+                                               *(shape + 1)));
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < *shape; ++i)
+    texts.push_back(read_reals(name, value.IsDefined() ? value[i] : value, next, shape + 1,
+                               dimensions - 1, range));
+  return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
+void ParameterMap::reals(const std::string& name, double* values,
+                         const std::vector<std::size_t>& shape, Range<double> range,
+                         bool optional) {
+  const YAML::Node value = find(name, !optional);
+  effective_.emplace_back(name, read_reals(name, value, values, shape.data(), shape.size(), range));
+}
+
+std::vector<ParameterMap> ParameterMap::list(const std::string& name) {
+  constexpr bool kRequired = false;
+  const YAML::Node value = find(name, kRequired);
+  std::vector<ParameterMap> maps;
+  if (!value.IsDefined()) return maps;
+  if (!value.IsSequence()) refuse(name, "must be a list of maps of keys to values");
+  for (const YAML::Node& entry : value) {
+    const std::string scope = fmt::format("{}[{}]", full_name(name), maps.size());
+    if (!entry.IsMap()) throw ParameterError(scope + ": must be a map of keys to values");
+    maps.emplace_back(scope, entry, style_);
+  }
+  return maps;
+}
+
+ParameterMap ParameterMap::map(const std::string& name) {
+  constexpr bool kRequired = true;
+  const YAML::Node value = find(name, kRequired);
+  if (!value.IsMap()) refuse(name, "must be a map of keys to values");
+  return ParameterMap(full_name(name), value, style_);
+}
+
 std::string ParameterMap::text(const std::string& name, std::optional<std::string> fallback) {
   const YAML::Node value = find(name, !fallback);
   if (value.IsDefined() && type_of(value) != Type::kString) refuse(name, "must be text");

@@ -1,6 +1,6 @@
 #include "threelink_sim/random.hpp"
 
-#include "threelink_sim/isa.hpp"
+#include "threelink_sim/kernel/kernels.hpp"
 
 namespace threelink_sim {
 

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "threelink_sim/isa.hpp"
+#include "threelink_sim/kernel/kernels.hpp"
 
 namespace threelink_sim {
 namespace {

@@ -9,6 +9,11 @@
 namespace threelink_sim {
 namespace {
 
+void begin_episode(Environment& environment, std::size_t i, std::uint64_t seed,
+                   std::uint32_t episode) {
+  environment.reset(i, random_start(environment.config(), seed, episode), {seed, episode});
+}
+
 class DirectionGoals : public Goals {
  public:
   explicit DirectionGoals(Environment& environment) : environment_(environment) {}
@@ -49,8 +54,7 @@ std::unique_ptr<Goals> make_goals(const GoalConfig& config, std::uint64_t seed,
                                   std::uint32_t first_episode, Environment& environment) {
   if (config.task) return make_task_goals(*config.task, seed, first_episode, environment);
   for (std::size_t i = 0; i < environment.lanes(); ++i)
-    environment.reset(i, random_start(environment.config().model, seed,
-                                      first_episode + static_cast<std::uint32_t>(i)));
+    begin_episode(environment, i, seed, first_episode + static_cast<std::uint32_t>(i));
   if (config.points) return make_points_goals(*config.points, seed, first_episode, environment);
   return std::make_unique<DirectionGoals>(environment);
 }

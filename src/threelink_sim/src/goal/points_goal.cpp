@@ -38,7 +38,7 @@ class PointsGoals : public Goals {
       environment_.aim(i, points_[i]);
       const double now = environment_.distance(i);
       captured[i] = now < config_.threshold;
-      rewards[i] = static_cast<float>(b * (before - now) - c * environment_.batch().work()[i] +
+      rewards[i] = static_cast<float>(b * (before - now) - c * environment_.effort(i) +
                                       captured[i] * config_.bonus);
       if (!captured[i]) continue;
       Random random(seed_, Stream::kTarget, episode(i), k + 1);

@@ -32,7 +32,7 @@ class TaskGoals : public Goals {
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       Task& task = *lanes_[i].task;
       const double before = environment_.distance(i);
-      const double work = environment_.batch().work()[i];
+      const double work = environment_.effort(i);
       environment_.aim(i, task.target());
       const double now = environment_.distance(i);
       captured[i] = task.observe(environment_.centroid(i)) == Outcome::kCaptured;
@@ -54,15 +54,14 @@ class TaskGoals : public Goals {
 
   void begin(std::size_t i) {
     auto& [task, episode] = lanes_[i];
-    const Model& model = environment_.config().model;
     task->reset(seed_, episode);
-    SwimmerState start = start_state(model, task->start(), seed_, episode);
+    SwimmerState start = start_state(environment_.config(), task->start(), seed_, episode);
     if (config_.random_start) {
       const Eigen::Vector2d centroid = start.centroid;
-      start = random_start(model, seed_, episode);
+      start = random_start(environment_.config(), seed_, episode);
       start.centroid = centroid;
     }
-    environment_.reset(i, start);
+    environment_.reset(i, start, {seed_, episode});
     task->observe(environment_.centroid(i));
     environment_.aim(i, task->target());
   }

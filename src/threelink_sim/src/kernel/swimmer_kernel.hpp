@@ -146,29 +146,56 @@ struct Motion {
   R power;   // in units of l lambda^2
 };
 
+// Block elimination of V from K, with the 2x2 inverse as adjugate / determinant and one division.
+template <class R>
+struct Elimination {
+  R determinant, kx, ky;
+  R inverse, pivot;  // 1 / (determinant * pivot)
+};
+
+template <class R>
+inline Elimination<R> eliminate(const Resistance<R>& r) {
+  Elimination<R> e;
+  e.determinant = fma(r.kxx, r.kyy, -(r.kxy * r.kxy));
+  e.kx = fma(r.kyy, r.kxw, -(r.kxy * r.kyw));
+  e.ky = fma(r.kxx, r.kyw, -(r.kxy * r.kxw));
+  e.pivot = fma(e.determinant, r.kww, -fma(r.kxw, e.kx, r.kyw * e.ky));
+  e.inverse = all<R>(1.0) / (e.determinant * e.pivot);
+  return e;
+}
+
+// Of the heading link, in its frame.
+template <class R>
+struct Velocity {
+  R vx, vy, spin;
+};
+
+// K (V, Omega) = -b
+template <class R>
+inline Velocity<R> solve(const Resistance<R>& r, const Elimination<R>& e, R bx, R by, R bw) {
+  const R ux = fma(r.kyy, bx, -(r.kxy * by));
+  const R uy = fma(r.kxx, by, -(r.kxy * bx));
+  const R spin =
+      fma(r.kxw, ux, fma(r.kyw, uy, -(e.determinant * bw))) * (e.inverse * e.determinant);
+  const R negative_inverse = -(e.inverse * e.pivot);  // - 1 / determinant
+  return {fma(e.kx, spin, ux) * negative_inverse, fma(e.ky, spin, uy) * negative_inverse, spin};
+}
+
+// The same of the swimmer's centroid.
+template <class R>
+inline Velocity<R> of_centroid(R share, const Resistance<R>& r, const Velocity<R>& v) {
+  return {fma(share, fma(-v.spin, r.my, r.gx), v.vx), fma(share, fma(v.spin, r.mx, r.gy), v.vy),
+          v.spin};
+}
+
 template <class R, int N>
 inline Motion<R> body_motion(const KernelModel& model, const Shape<R, N>& shape,
                              const Turning<R, N>& turning) {
   const Resistance<R> r = resistance(model, shape, turning);
-  // Block elimination of V, with the 2x2 inverse as adjugate / determinant and one division in all.
-  const R determinant = fma(r.kxx, r.kyy, -(r.kxy * r.kxy));
-  const R kx = fma(r.kyy, r.kxw, -(r.kxy * r.kyw));
-  const R ky = fma(r.kxx, r.kyw, -(r.kxy * r.kxw));
-  const R ux = fma(r.kyy, r.bx, -(r.kxy * r.by));
-  const R uy = fma(r.kxx, r.by, -(r.kxy * r.bx));
-  const R pivot = fma(determinant, r.kww, -fma(r.kxw, kx, r.kyw * ky));
-  const R inverse = all<R>(1.0) / (determinant * pivot);
-  const R spin = fma(r.kxw, ux, fma(r.kyw, uy, -(determinant * r.bw))) * (inverse * determinant);
-  const R negative_inverse = -(inverse * pivot);  // - 1 / determinant
-  const R vx = fma(kx, spin, ux) * negative_inverse;
-  const R vy = fma(ky, spin, uy) * negative_inverse;
-  const R share = all<R>(1.0 / links<N>(model.links));
-  Motion<R> motion;
-  motion.vx = fma(share, fma(-spin, r.my, r.gx), vx);
-  motion.vy = fma(share, fma(spin, r.mx, r.gy), vy);
-  motion.spin = spin;
-  motion.power = fma(r.bx, vx, fma(r.by, vy, fma(r.bw, spin, r.b0)));
-  return motion;
+  const Velocity<R> v = solve(r, eliminate(r), r.bx, r.by, r.bw);
+  const Velocity<R> centroid = of_centroid(all<R>(1.0 / links<N>(model.links)), r, v);
+  return {centroid.vx, centroid.vy, v.spin,
+          fma(r.bx, v.vx, fma(r.by, v.vy, fma(r.bw, v.spin, r.b0)))};
 }
 
 // The shape that the hinge angles give, and the turning rates that the hinge rates give.

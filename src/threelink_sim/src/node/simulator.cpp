@@ -138,7 +138,8 @@ void Simulator::act() {
 
 SwimmerState Simulator::start_state(const threelink_msgs::Reset::Request& request) const {
   const Model& model = config_.environment.model;
-  if (request.random_start) return random_start(model, request.seed, lockstep_.episode() + 1);
+  if (request.random_start)
+    return random_start(config_.environment, request.seed, lockstep_.episode() + 1);
   const bool centroid = request.from_centroid;
   const auto& position = centroid ? request.centroid : request.x_1;
   const double angle = centroid ? request.heading : request.theta_1;
@@ -181,7 +182,8 @@ void Simulator::on_reset(IntakeOfService<threelink_msgs::Reset>::Event& call) {
           "episode {} of {} runs; it ends by that node's message `episode`, or {} s after its last "
           "target",
           lockstep_.episode(), owner_, config_.peer_timeout));
-    environment_.reset(0, start_state(call.getRequest()));
+    environment_.reset(0, start_state(call.getRequest()),
+                       {call.getRequest().seed, lockstep_.episode() + 1});
   } catch (const std::invalid_argument& error) {
     ++refused_resets_;
     response.success = false;

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "threelink_sim/isa.hpp"
+#include "threelink_sim/kernel/kernels.hpp"
 
 namespace threelink_sim {
 

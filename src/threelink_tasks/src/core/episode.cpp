@@ -30,7 +30,8 @@ EpisodeResult run_episode(Task& task, threelink_sim::Environment& environment,
         fmt::format("lanes = {}: an episode is played in one", environment.lanes()));
   require_fit(policy, config);
   task.reset(seed, episode);
-  environment.reset(0, threelink_sim::start_state(config.model, task.start(), seed, episode));
+  environment.reset(0, threelink_sim::start_state(config, task.start(), seed, episode),
+                    {seed, episode});
 
   threelink_agent::Actor actor(policy);
   EpisodeStep now{0, environment.batch().state(0), {}, {}};

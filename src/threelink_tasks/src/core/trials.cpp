@@ -64,9 +64,10 @@ class Trials {
     lane.episode = ++started_;
     lane.step = 0;
     lane.task->reset(config_.seed, lane.episode);
-    environment_.reset(
-        i, threelink_sim::start_state(environment_.config().model, lane.task->start(), config_.seed,
-                                      lane.episode));
+    environment_.reset(i,
+                       threelink_sim::start_state(environment_.config(), lane.task->start(),
+                                                  config_.seed, lane.episode),
+                       {config_.seed, lane.episode});
     lane.first_centroid = environment_.centroid(i);
   }
 

@@ -58,7 +58,7 @@ void BagVerifier::begin() {
     bag_.poses.skip_before(first_stamp_);
     bag_.transforms.skip_before(first_stamp_);
   } else {
-    state = start_state(model, task_->start(), start_.seed, start_.episode);
+    state = start_state(simulator_.environment, task_->start(), start_.seed, start_.episode);
   }
   try {
     replay_->reset(0, state);

@@ -12,6 +12,8 @@
 
 namespace threelink_sim {
 
+enum class Isa;  // isa.hpp; not included, since kernel files use nothing of the standard library
+
 // The swimmer as the kernels see it; threelink_sim::Model is the validated one.
 struct KernelModel {
   int links;           // N
@@ -63,5 +65,11 @@ struct Kernels {
   void (*normals)(std::size_t n, const std::uint32_t key[2], const std::uint32_t* counters,
                   double* out);
 };
+
+// The kernels of an instruction set. Throws std::invalid_argument if this processor lacks it.
+const Kernels& kernels(Isa isa);
+
+// The kernels in use; see isa_in_use().
+const Kernels& kernels();
 
 }  // namespace threelink_sim

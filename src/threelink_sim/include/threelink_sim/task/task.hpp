@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "threelink_sim/model.hpp"
+#include "threelink_sim/environment.hpp"
 #include "threelink_sim/parameter_map.hpp"
 #include "threelink_sim/swimmer.hpp"
 
@@ -23,13 +23,13 @@ struct Start {
   Eigen::Vector2d x_1 = {0.0, 0.0};  // [L] free end of link 1
   double theta_1 = 0.0;              // [rad] its angle
   HingeVector alpha;                 // [rad] (N-1) hinge angles; empty: straight
-  // Instead of all that random_start(model, seed, episode): the centroid at the
+  // Instead of all that random_start(config, seed, episode): the centroid at the
   // origin, any heading, any shape.
   bool random = false;
 };
 
 // Where that puts the swimmer.
-SwimmerState start_state(const Model& model, const Start& start, std::uint64_t seed,
+SwimmerState start_state(const EnvironmentConfig& config, const Start& start, std::uint64_t seed,
                          std::uint32_t episode);
 
 enum class Outcome { kRunning, kCaptured, kTimedOut };

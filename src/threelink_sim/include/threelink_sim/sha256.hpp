@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-namespace threelink_agent {
+namespace threelink_sim {
 
 // 64 lower-case hex digits.
 std::string sha256(std::string_view bytes);
 
-}  // namespace threelink_agent
+}  // namespace threelink_sim

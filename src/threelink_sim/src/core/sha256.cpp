@@ -1,10 +1,10 @@
-#include "threelink_agent/sha256.hpp"
+#include "threelink_sim/sha256.hpp"
 
 #include <stdexcept>
 
 #include <openssl/evp.h>
 
-namespace threelink_agent {
+namespace threelink_sim {
 
 std::string sha256(std::string_view bytes) {
   unsigned char digest[EVP_MAX_MD_SIZE];
@@ -20,4 +20,4 @@ std::string sha256(std::string_view bytes) {
   return hex;
 }
 
-}  // namespace threelink_agent
+}  // namespace threelink_sim

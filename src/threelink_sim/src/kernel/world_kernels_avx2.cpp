@@ -1,0 +1,2 @@
+#define THREELINK_ISA avx2
+#include "world_kernels.inc"

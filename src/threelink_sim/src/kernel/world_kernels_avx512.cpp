@@ -1,0 +1,2 @@
+#define THREELINK_ISA avx512
+#include "world_kernels.inc"

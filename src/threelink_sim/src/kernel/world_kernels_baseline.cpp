@@ -1,0 +1,2 @@
+#define THREELINK_ISA baseline
+#include "world_kernels.inc"
