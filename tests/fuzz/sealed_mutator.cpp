@@ -4,8 +4,8 @@
 #include <cstring>
 #include <string>
 
-#include "threelink_sim/sha256.hpp"
 #include "fuzz.hpp"
+#include "threelink_sim/sha256.hpp"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 

@@ -74,7 +74,8 @@ void expect_refused(const std::string& bytes, const std::string& part) {
 }
 
 TEST(Sha256, AgreesWithFips180) {
-  EXPECT_EQ(threelink_sim::sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  EXPECT_EQ(threelink_sim::sha256("abc"),
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
 TEST(Safetensors, ComesBackAsItWas) {

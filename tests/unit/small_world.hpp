@@ -18,7 +18,8 @@ class WorldSwimmer {
   WorldSwimmer(const std::string& yaml, const threelink_sim::Model& model,
                const threelink_sim::SwimmerState& start, threelink_sim::EpisodeKey key = {})
       : batch_(model, 1), stepper_(world_of(yaml), model, 1) {
-    stepper_.reset(0, start, key);
+    stepper_.check_start(start, key);
+    stepper_.begin(0, key);
     batch_.set_state(0, start);
   }
 

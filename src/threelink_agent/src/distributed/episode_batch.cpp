@@ -1,5 +1,4 @@
 #include "threelink_agent/distributed/episode_batch.hpp"
-#include "threelink_sim/sha256.hpp"
 
 #include <algorithm>
 #include <string_view>
@@ -7,13 +6,15 @@
 
 #include <fmt/format.h>
 
+#include "threelink_sim/sha256.hpp"
 
 namespace threelink_agent {
 namespace {
 
 template <class Value>
 std::string hash_of(const std::vector<Value>& values) {
-  return threelink_sim::sha256({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)});
+  return threelink_sim::sha256(
+      {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)});
 }
 
 bool finite(const std::vector<float>& values) {
@@ -37,11 +38,11 @@ void put(Rollout&& rollout, EpisodeBatch& batch) {
 }
 
 std::string checksum(const EpisodeBatch& b) {
-  return threelink_sim::sha256(fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", b.session, b.version,
-                            b.policy, b.lease, b.worker, b.first_episode, b.episodes, b.steps,
-                            b.observation_size, b.hinges, hash_of(b.observations),
-                            hash_of(b.actions), hash_of(b.log_probs), hash_of(b.rewards),
-                            hash_of(b.captured)));
+  return threelink_sim::sha256(
+      fmt::format("{} {} {} {} {} {} {} {} {} {} {} {} {} {} {}", b.session, b.version, b.policy,
+                  b.lease, b.worker, b.first_episode, b.episodes, b.steps, b.observation_size,
+                  b.hinges, hash_of(b.observations), hash_of(b.actions), hash_of(b.log_probs),
+                  hash_of(b.rewards), hash_of(b.captured)));
 }
 
 bool well_formed(const EpisodeBatch& batch, const Rollout& whole, int episodes) {

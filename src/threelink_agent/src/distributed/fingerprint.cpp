@@ -63,7 +63,8 @@ std::string fingerprint() {
   points.farthest = 0.02;
   points.threshold = 0.004;
   points.bonus = 1.5;
-  return threelink_sim::sha256(hash_of_episodes(3) + hash_of_episodes(5) + hash_of_episodes(3, points));
+  return threelink_sim::sha256(hash_of_episodes(3) + hash_of_episodes(5) +
+                               hash_of_episodes(3, points));
 }
 
 }  // namespace threelink_agent

@@ -1,9 +1,9 @@
 #include "threelink_agent/distributed/lease_player.hpp"
-#include "threelink_sim/sha256.hpp"
 
 #include <new>
 #include <stdexcept>
 
+#include "threelink_sim/sha256.hpp"
 
 namespace threelink_agent {
 

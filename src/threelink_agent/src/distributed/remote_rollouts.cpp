@@ -23,8 +23,9 @@ Rollout RemoteRollouts::play(const Play& play, int episodes) {
   const std::uint64_t version = play.first_episode / config_.update.episodes;
   std::unique_lock<std::mutex> lock(mutex_);
   wire_.send_policy(version, policy.serialize());
-  dispatcher_.open({version, threelink_sim::sha256(policy.serialize()), play.first_episode, episodes},
-                   Rollout(play.environment, episodes), play);
+  dispatcher_.open(
+      {version, threelink_sim::sha256(policy.serialize()), play.first_episode, episodes},
+      Rollout(play.environment, episodes), play);
   last_alive_ = Clock::now();
   send_what_is_due();
   while (!complete_.wait_for(lock, 20ms, [this] { return dispatcher_.complete(); })) {

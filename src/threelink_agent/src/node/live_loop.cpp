@@ -97,6 +97,10 @@ void LiveLoop::check_swimmer(const Play& play) {
   }
   const threelink_sim::EnvironmentConfig& is = simulator_.environment;
   const threelink_sim::EnvironmentConfig& wanted = play.environment;
+  if ((is.world && !is.world->still()) || (wanted.world && !wanted.world->still()))
+    throw NoRollout(
+        "a topic loop turns the target instead of the swimmer, which a world does not allow: "
+        "train in a world without ~collect");
   const std::string difference = threelink_sim::swimmer_difference(is, wanted);
   if (!difference.empty())
     throw NoRollout(fmt::format("{} is not the swimmer of the training: {}", name, difference));

@@ -1,5 +1,8 @@
 #include "threelink_agent/training/train_config.hpp"
 
+#include <algorithm>
+#include <filesystem>
+
 #include <fmt/format.h>
 
 #include "threelink_sim/files.hpp"
@@ -14,6 +17,7 @@ using threelink_sim::ObservationKind;
 using threelink_sim::ParameterMap;
 
 constexpr threelink_sim::YamlLimits kLimits{65536, 1000};
+constexpr char kWorld[] = "environment.world";
 
 template <class Value>
 [[noreturn]] void refuse(const char* key, const Value& value, const std::string& bound) {
@@ -36,8 +40,29 @@ void read_homing(ParameterMap& section, TrainConfig& config) {
   threelink_sim::PointsGoal::fields(config.goal.points.emplace(), read);
 }
 
+// `environment.world`: the name of a file, from the folder of the configuration, or what such a
+// file says. Absent: still water.
+void read_world(ParameterMap& map, const std::string& source, TrainConfig& config) {
+  const std::string folder = std::filesystem::path(source).parent_path().string();
+  const std::string place = source + ": " + kWorld;
+  if (map.has(kWorld)) {
+    config.environment.world = threelink_sim::World::read(map.text(kWorld), place, folder);
+  } else if (map.has_section(kWorld)) {
+    YAML::Emitter text;
+    text << map.section_values(kWorld);
+    config.environment.world = threelink_sim::World::parse(text.c_str(), place, folder);
+  }
+}
+
 FieldTexts texts_of(const TrainConfig& config) {
   FieldTexts texts = threelink_sim::field_texts(config);
+  const auto& world = config.environment.world;
+  if (world && !world->still()) {
+    // Behind the other keys of its section.
+    const auto other = std::find_if(texts.begin(), texts.end(),
+                                    [](const auto& text) { return text.first == "observation"; });
+    texts.emplace(other, kWorld, threelink_sim::yaml_text(world->yaml()));
+  }
   for (const auto& [name, value] : threelink_sim::field_texts(config.goal))
     texts.emplace_back("goal." + name, value);
   if (config.goal.task)
@@ -63,6 +88,13 @@ void TrainConfig::validate() const {
   if (goal.points && goal.points->farthest < goal.points->nearest)
     refuse("goal.farthest", goal.points->farthest,
            fmt::format("at least goal.nearest = {}", goal.points->nearest));
+  const auto& world = environment.world;
+  if (symmetry.mirror && world && (world->has_flow() || !world->obstacles().empty()))
+    refuse("symmetry.mirror", symmetry.mirror,
+           "false: flow and obstacles are not their own mirror images");
+  if (world)
+    world->check_step(environment.dt,
+                      threelink_sim::substeps(environment.model, environment.dt, 1));
   if (hidden.empty() || hidden.size() > 8)
     refuse("hidden", fmt::format("{} layers", hidden.size()), "1 to 8 layers");
   if (symmetry.canonical == Symmetry::kReversal && environment.model.links % 2 == 0)
@@ -86,6 +118,7 @@ TrainConfig parse_train_config(const std::string& yaml, const std::string& sourc
   const int version = read_version(map);
   TrainConfig config;
   TrainConfig::fields(config, FieldReader(map), version);
+  read_world(map, source, config);
   std::optional<ParameterMap> section;
   if (version >= 2) {
     if (map.has_section("homing"))

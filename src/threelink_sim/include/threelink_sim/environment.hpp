@@ -85,6 +85,10 @@ class Environment {
   // has no room for that state.
   void reset(std::size_t i, const SwimmerState& state, const EpisodeKey& key = {});
 
+  // Goes on with an episode in lane i from the state of that step. Throws std::invalid_argument for
+  // a state that is none.
+  void resume(std::size_t i, const SwimmerState& state, const EpisodeKey& key, std::uint32_t step);
+
   // The target, as seen from where lane i is now; defines the observation and the next step's
   // reward: a point [L], or [1] the unit vector p to one infinitely far away.
   void aim(std::size_t i, const Eigen::Vector2d& target);
@@ -106,6 +110,12 @@ class Environment {
 
   // Whether lane i has left the grid of the world's flow, which ends its episode.
   bool left_grid(std::size_t i) const { return world_ && world_->left_grid(i); }
+
+  // [L/T0] of the world's flow at the centroid of lane i.
+  Eigen::Vector2d flow(std::size_t i) const;
+  double time(std::size_t i) const { return world_ ? world_->time(i, config_.dt) : 0; }  // [T0]
+  // Whether there is anything around the swimmer but still water.
+  bool has_world() const { return world_.has_value(); }
 
   // Of lane i; after reset() no step has led to its state, and rates, power, work and reward are 0.
   StepRecord record(std::size_t i) const;

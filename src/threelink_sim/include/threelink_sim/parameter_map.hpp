@@ -88,6 +88,9 @@ class ParameterMap {
   // calls its finish().
   ParameterMap section(const std::string& name);
 
+  // The values in that section, as the file nests them, for a reader of another kind.
+  YAML::Node section_values(const std::string& name);
+
   // To be called after the last getter: refuses parameters that no getter asked for, and names the
   // nearest one that exists; then what a file lacks.
   void finish() const;

@@ -65,8 +65,14 @@ Environment::Environment(const EnvironmentConfig& config, std::size_t lanes, con
 }
 
 void Environment::reset(std::size_t i, const SwimmerState& state, const EpisodeKey& key) {
-  if (world_) world_->reset(i, state, key);
+  if (world_) world_->check_start(state, key);
+  resume(i, state, key, 0);
+}
+
+void Environment::resume(std::size_t i, const SwimmerState& state, const EpisodeKey& key,
+                         std::uint32_t step) {
   batch_.set_state(i, state);
+  if (world_) world_->begin(i, key, step);
   for (int j = 0; j < config_.model.hinges(); ++j) batch_.rates(j)[i] = 0;
   set_direction(i, {1.0, 0.0});
   reward_[i] = 0.0;
@@ -124,6 +130,11 @@ void Environment::step(const double* rates) {
 double Environment::effort(std::size_t i) const {
   const double work = batch_.work()[i];
   return world_ ? std::max(work, 0.0) : work;
+}
+
+Eigen::Vector2d Environment::flow(std::size_t i) const {
+  if (!world_) return Eigen::Vector2d::Zero();
+  return config_.world->flow(world_->time(i, config_.dt), centroid(i));
 }
 
 StepRecord Environment::record(std::size_t i) const {

@@ -359,6 +359,25 @@ ParameterMap ParameterMap::section(const std::string& name) {
   return part;
 }
 
+YAML::Node ParameterMap::section_values(const std::string& name) {
+  const std::string prefix = name + ".";
+  known_.insert(name);
+  YAML::Node nested(YAML::NodeType::Map);
+  for (const auto& item : values_) {
+    const std::string& key = item.first.Scalar();
+    if (key.rfind(prefix, 0) != 0) continue;
+    known_.insert(key);
+    YAML::Node map = nested;
+    std::size_t begin = prefix.size(), dot;
+    while ((dot = key.find('.', begin)) != std::string::npos) {
+      map.reset(map[key.substr(begin, dot - begin)]);
+      begin = dot + 1;
+    }
+    map[key.substr(begin)] = item.second;
+  }
+  return nested;
+}
+
 void ParameterMap::finish() const {
   if (!values_.IsMap()) return;
   const bool file = style_ == Style::kFile;

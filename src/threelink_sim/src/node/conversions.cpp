@@ -44,6 +44,16 @@ void to_message(const Model& model, const StepRecord& record, threelink_msgs::Sw
   out.reward = record.reward;
 }
 
+void to_message(const Environment& environment, const StepRecord& record,
+                threelink_msgs::WorldState& out) {
+  const Eigen::Vector2d flow = environment.flow(0);
+  out.flow = {flow.x(), flow.y()};
+  out.dissipation = record.dissipation;
+  out.contacts = static_cast<std::uint32_t>(record.contact.contacts);
+  out.contact_force = {record.contact.force.x(), record.contact.force.y()};
+  out.contact_torque = record.contact.torque;
+}
+
 void to_message(const Environment& environment, threelink_msgs::Observation& out) {
   const Eigen::Vector2d p = environment.direction(0);
   out.kind = to_string(environment.config().observation);

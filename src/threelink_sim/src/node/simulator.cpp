@@ -74,6 +74,11 @@ Simulator::Simulator(const SimulatorConfig& config)
   constexpr bool kLatch = true;
   clock_publisher_ = node_.advertise<rosgraph_msgs::Clock>(topics::kClock, 1, kLatch);
   state_publisher_ = node_.advertise<threelink_msgs::SwimmerState>(topics::kState, 10, kLatch);
+  if (environment_.has_world()) {
+    world_state_publisher_ =
+        node_.advertise<threelink_msgs::WorldState>(topics::kWorldState, 10, kLatch);
+    world_view_.emplace(node_, config.environment.world, config.scales);
+  }
   observation_publisher_ =
       node_.advertise<threelink_msgs::Observation>(topics::kObservation, 10, kLatch);
   joint_publisher_ = node_.advertise<sensor_msgs::JointState>(topics::kJointStates, 10);
@@ -125,7 +130,7 @@ void Simulator::act() {
   const Time now = steady_clock::now();
   const Lockstep::Action action = lockstep_.poll(now);
   if (action == Lockstep::Action::kStep) step(now);
-  if (action == Lockstep::Action::kAbort) abort();
+  if (action == Lockstep::Action::kAbort) abort_for_silence();
   if (standard_throttle_.take(now)) publish_standard();
   if (display_throttle_.take(now)) {
     if (transform_.header.stamp != state_.header.stamp) {
@@ -133,6 +138,7 @@ void Simulator::act() {
       transform_publisher_.sendTransform(transform_);
     }
     view_.draw();
+    if (world_view_) world_view_->draw(state_, world_state_, environment_.time(0));
   }
 }
 
@@ -255,20 +261,31 @@ void Simulator::step(Time now) {
   if (lockstep_.watchdog_tripped()) ++watchdog_steps_;
   ++steps_;
   publish_state();
+  if (environment_.left_grid(0))
+    abort("", fmt::format("step {} of episode {}: the swimmer has left the grid of the flow, at "
+                          "({:.4g}, {:.4g}) L",
+                          lockstep_.step(), lockstep_.episode(), state_.centroid[0],
+                          state_.centroid[1]));
 }
 
-void Simulator::abort() {
+void Simulator::abort_for_silence() {
   const bool task = lockstep_.phase() == Lockstep::Phase::kAwaitTarget;
+  const std::string peer = task ? topics::kTarget : topics::kHingeRates;
+  std::string reason = fmt::format("no {} for step {} of episode {} in {} s: the {} is silent",
+                                   peer, lockstep_.step(), lockstep_.episode(),
+                                   config_.peer_timeout, task ? "task" : "agent");
+  const std::string conflict = other_type_on(node_.resolveName(peer));
+  if (!conflict.empty()) reason += ": " + conflict;
+  abort(peer, reason);
+}
+
+void Simulator::abort(const std::string& peer, const std::string& reason) {
   threelink_msgs::EpisodeAbort message;
   message.header.stamp = state_.header.stamp;
   message.episode = lockstep_.episode();
   message.step = lockstep_.step();
-  message.peer = task ? topics::kTarget : topics::kHingeRates;
-  message.reason =
-      fmt::format("no {} for step {} of episode {} in {} s: the {} is silent", message.peer,
-                  message.step, message.episode, config_.peer_timeout, task ? "task" : "agent");
-  const std::string conflict = other_type_on(node_.resolveName(message.peer));
-  if (!conflict.empty()) message.reason += ": " + conflict;
+  message.peer = peer;
+  message.reason = reason;
   ROS_ERROR("%s", message.reason.c_str());
   abort_publisher_.publish(message);
   abort_reason_ = message.reason;
@@ -281,8 +298,17 @@ void Simulator::publish_state() {
   state_.header.frame_id = frames::kWorld;
   state_.episode = lockstep_.episode();
   state_.step = lockstep_.step();
-  to_message(config_.environment.model, environment_.record(0), state_);
+  const StepRecord record = environment_.record(0);
+  to_message(config_.environment.model, record, state_);
   state_publisher_.publish(state_);
+  if (world_view_) {
+    world_state_.header = state_.header;
+    world_state_.episode = state_.episode;
+    world_state_.step = state_.step;
+    to_message(environment_, record, world_state_);
+    world_state_publisher_.publish(world_state_);
+    steps_in_contact_ += world_state_.contacts > 0;
+  }
 
   // The rest while the task works out its answer.
   standard_throttle_.request();
@@ -329,6 +355,12 @@ void Simulator::report(Diagnostics::Status& status, double seconds) {
   status.addf("steps per second", "%.1f", steps_ / seconds);
   status.addf("real-time ratio", "%.3f", steps_ * config_.step_time() / seconds);
   steps_ = 0;
+  if (!world_view_) return;
+  status.add("contacts", world_state_.contacts);
+  status.addf("contact force [C_perp L^2/T0]", "%.4g",
+              std::hypot(world_state_.contact_force[0], world_state_.contact_force[1]));
+  status.add("steps in contact since the last report", steps_in_contact_);
+  steps_in_contact_ = 0;
 }
 
 }  // namespace threelink_sim

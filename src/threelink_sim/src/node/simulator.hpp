@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@
 #include "threelink_sim/node/simulator_config.hpp"
 #include "threelink_sim/node/swimmer_view.hpp"
 #include "threelink_sim/node/throttle.hpp"
+#include "threelink_sim/node/world_view.hpp"
 
 namespace threelink_sim {
 
@@ -63,7 +65,9 @@ class Simulator {
   void act() REQUIRES(mutex_);
   Time deadline() const REQUIRES(mutex_);
   void step(Time now) REQUIRES(mutex_);
-  void abort() REQUIRES(mutex_);
+  void abort_for_silence() REQUIRES(mutex_);
+  // Ends the episode for a reason; `peer`: the topic on which somebody was silent, or empty.
+  void abort(const std::string& peer, const std::string& reason) REQUIRES(mutex_);
   void publish_state() REQUIRES(mutex_);
   void publish_observation() REQUIRES(mutex_);
   void publish_standard() REQUIRES(mutex_);
@@ -89,8 +93,9 @@ class Simulator {
   Diagnostics::Counter& refused_resets_;
   Diagnostics::Counter& watchdog_steps_;
   Diagnostics::Counter& aborts_;
-  std::uint64_t steps_ = 0;   // since the last report
-  std::string abort_reason_;  // of the last episode; empty if it was not aborted
+  std::uint64_t steps_ = 0;             // since the last report
+  std::uint64_t steps_in_contact_ = 0;  // likewise
+  std::string abort_reason_;            // of the last episode; empty if it was not aborted
 
   // Of the episode: the node that began it, whether that has announced it on `episode`, and those
   // whose targets and hinge rates count.
@@ -98,14 +103,16 @@ class Simulator {
   bool announced_ = false;
   Peer task_, agent_;
 
-  ros::Publisher clock_publisher_, state_publisher_, observation_publisher_, joint_publisher_,
-      pose_publisher_, abort_publisher_;
+  ros::Publisher clock_publisher_, state_publisher_, world_state_publisher_, observation_publisher_,
+      joint_publisher_, pose_publisher_, abort_publisher_;
   tf2_ros::TransformBroadcaster transform_publisher_;
   SwimmerView view_;
+  std::optional<WorldView> world_view_;  // if there is a world
   Throttle standard_throttle_, display_throttle_;
 
   // Filled anew for each step.
   threelink_msgs::SwimmerState state_;
+  threelink_msgs::WorldState world_state_;
   threelink_msgs::Observation observation_;
   sensor_msgs::JointState joints_;
   geometry_msgs::PoseStamped pose_;

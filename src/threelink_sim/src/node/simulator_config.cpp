@@ -32,6 +32,13 @@ SimulatorConfig read_simulator_config(ParameterMap& parameters) {
   SimulatorConfig config;
   SimulatorConfig::fields(config, FieldReader(parameters));
   parameters.finish();
+  if (config.world.empty()) return config;
+  try {
+    config.environment.world = World::read(config.world, "world", "");
+    config.environment.validate();
+  } catch (const UsageError& error) {
+    throw within<ParameterError>("world", error);
+  }
   return config;
 }
 

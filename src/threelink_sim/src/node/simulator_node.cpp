@@ -24,12 +24,14 @@ applies them for dt. Idle until the service `reset` starts an episode. docs/node
 
 publishes
   state         threelink_msgs/SwimmerState     every step, latched
+  world_state   threelink_msgs/WorldState       every step, latched; only with ~world
   observation   threelink_msgs/Observation      every step, latched
   joint_states  sensor_msgs/JointState          every step (*): hinge_1, hinge_2, ...
   pose          geometry_msgs/PoseStamped       every step (*): centroid, heading
   abort         threelink_msgs/EpisodeAbort     when a peer was silent for too long
   markers       visualization_msgs/MarkerArray  at ~display_rate
   swimmer_path  nav_msgs/Path                   at ~display_rate
+  world_markers visualization_msgs/MarkerArray  at ~display_rate; only with ~world
   /tf           world -> base_link              at ~display_rate
   /clock        rosgraph_msgs/Clock             every step (*)
   /diagnostics  diagnostic_msgs/DiagnosticArray once a second of wall time

@@ -12,6 +12,7 @@ void publish_swimmer_parameters(const EnvironmentConfig& config) {
   ros::param::set("~gamma", config.model.gamma);
   ros::param::set("~joint_limit", config.model.joint_limit);
   ros::param::set("~dt", config.dt);
+  if (config.world) ros::param::set("~world", config.world->yaml());
 }
 
 std::optional<EnvironmentConfig> swimmer_of_node(const std::string& node) {

@@ -106,6 +106,12 @@ std::shared_ptr<const World> World::load(const std::string& path) {
                std::filesystem::path(path).parent_path().string());
 }
 
+std::shared_ptr<const World> World::read(const std::string& text_or_path, const std::string& source,
+                                         const std::string& folder) {
+  if (text_or_path.find('\n') != std::string::npos) return parse(text_or_path, source, folder);
+  return load(path_from(folder, text_or_path));
+}
+
 std::shared_ptr<const World> World::parse(const std::string& yaml, const std::string& source,
                                           const std::string& folder) {
   ParameterMap parameters = parse_parameters(source, yaml);

@@ -80,14 +80,17 @@ bool WorldStepper::within_grids(const SwimmerState& state, double t) const {
   return world_->within_grids(t, joint);
 }
 
-void WorldStepper::reset(std::size_t i, const SwimmerState& state, const EpisodeKey& key) {
+void WorldStepper::check_start(const SwimmerState& state, const EpisodeKey& key) {
   contacts_.check_free(state);
   if (!within_grids(state, key.time))
     throw std::invalid_argument(fmt::format(
         "the swimmer at ({:.4g}, {:.4g}) L, at {:.4g} T0, is not within the flow's grid",
         state.centroid.x(), state.centroid.y(), key.time));
+}
+
+void WorldStepper::begin(std::size_t i, const EpisodeKey& key, std::uint32_t step) {
   key_[i] = key;
-  steps_[i] = 0;
+  steps_[i] = step;
   dissipation_[i] = 0;
   contact_[i] = ContactRecord();
   left_grid_[i] = 0;

@@ -3,6 +3,7 @@
 // Each has the bits of run_episode(), and so of the loop over topics.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "threelink_agent/policy.hpp"
@@ -16,10 +17,11 @@ struct TrialsConfig {
   int trials = 100;      // episodes 1 .. trials, > 0
   bool sampled = false;  // actions, else their mean
   std::size_t lanes = 64;
+  std::shared_ptr<const threelink_sim::World> world;  // null: still water
 };
 
 struct Trial {
-  Outcome outcome = Outcome::kRunning;
+  Outcome outcome = Outcome::kRunning;  // still: it has left the grid of the world's flow
   EpisodeMeasures measures;
   double path_length = 0;  // [L] from the start through all waypoints; 0 if there are none
 };

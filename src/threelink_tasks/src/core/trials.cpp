@@ -21,13 +21,19 @@ double path_length(const Task& task, Eigen::Vector2d from) {
   return length;
 }
 
+threelink_sim::EnvironmentConfig environment_of(const Policy& policy, const TrialsConfig& config) {
+  threelink_sim::EnvironmentConfig environment = policy.metadata().environment();
+  environment.world = config.world;
+  return environment;
+}
+
 class Trials {
  public:
   Trials(const TaskMaker& make, const Policy& policy, const TrialsConfig& config)
       : config_(config),
         trials_(config.trials),
         lanes_(std::min<std::size_t>(config.lanes, config.trials)),
-        environment_(policy.metadata().environment(), lanes_.size()),
+        environment_(environment_of(policy, config), lanes_.size()),
         actor_(policy) {
     require_fit(policy, environment_.config());
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
@@ -77,7 +83,7 @@ class Trials {
     const Eigen::Vector2d here = environment_.centroid(i);
     const Outcome outcome = lane.task->observe(here);
     const Eigen::Vector2d target = lane.task->target();
-    if (outcome == Outcome::kRunning) {
+    if (outcome == Outcome::kRunning && !environment_.left_grid(i)) {
       environment_.aim(i, target);
       return true;
     }
@@ -93,7 +99,8 @@ class Trials {
     std::vector<Lane> rest;
     for (std::size_t i = 0; i < lanes_.size(); ++i) {
       if (!lanes_[i].playing) continue;
-      smaller.reset(rest.size(), environment_.batch().state(i));
+      smaller.resume(rest.size(), environment_.batch().state(i), {config_.seed, lanes_[i].episode},
+                     lanes_[i].step);
       smaller.set_direction(rest.size(), environment_.direction(i));
       smaller.aim(rest.size(), lanes_[i].task->target());
       rest.push_back(std::move(lanes_[i]));

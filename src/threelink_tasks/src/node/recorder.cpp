@@ -16,6 +16,7 @@
 #include <threelink_msgs/Observation.h>
 #include <threelink_msgs/PolicyWeights.h>
 #include <threelink_msgs/SwimmerState.h>
+#include <threelink_msgs/WorldState.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include "leftover_bag.hpp"
@@ -75,6 +76,7 @@ Recorder::Recorder(const RecorderParameters& parameters)
   hear<threelink_msgs::SwimmerState>(topics::kState, kLoop, subscribers_,
                                      [this](const auto& event) { on_state(event); });
   listen<geometry_msgs::PointStamped>(topics::kTarget);
+  listen<threelink_msgs::WorldState>(topics::kWorldState);
   listen<threelink_msgs::Observation>(topics::kObservation);
   listen<threelink_msgs::HingeRates>(topics::kHingeRates);
   listen<sensor_msgs::JointState>(topics::kJointStates);

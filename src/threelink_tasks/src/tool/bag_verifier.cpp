@@ -68,6 +68,7 @@ void BagVerifier::compare_state() {
     state_.reward = recorded.reward;
   }
   compare(topics::kState, recorded, state_);
+  compare_world_state();
 
   sensor_msgs::JointState joints;
   to_joint_state(state_, simulator_.scales, joints);
@@ -79,6 +80,24 @@ void BagVerifier::compare_state() {
   transforms.transforms.resize(1);
   to_transform(state_, simulator_.scales, transforms.transforms[0]);
   compare_all(kTransforms, bag_.transforms, transforms);
+}
+
+void BagVerifier::compare_world_state() {
+  if (!replay_->has_world()) return;
+  const auto* recorded = expect_answer(topics::kWorldState, bag_.world_states);
+  if (!recorded) return;
+  threelink_msgs::WorldState world;
+  world.header = state_.header;
+  world.episode = state_.episode;
+  world.step = state_.step;
+  to_message(*replay_, replay_->record(0), world);
+  if (late() && step_ == first_step_) {  // what the step before did
+    world.dissipation = recorded->dissipation;
+    world.contacts = recorded->contacts;
+    world.contact_force = recorded->contact_force;
+    world.contact_torque = recorded->contact_torque;
+  }
+  compare(topics::kWorldState, *recorded, world);
 }
 
 bool BagVerifier::answer() {

@@ -83,6 +83,7 @@ class BagVerifier {
   void read_config();
   void compare_start();
   void compare_state();
+  void compare_world_state();
   // Target, observation and hinge rates of this state; false if the episode ends here.
   bool answer();
   void compare_rates(const threelink_msgs::HingeRates& recorded,

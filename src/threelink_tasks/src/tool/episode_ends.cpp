@@ -54,6 +54,7 @@ void BagVerifier::begin() {
     bag_.targets.skip_before(first_stamp_);
     bag_.observations.skip_before(first_stamp_);
     bag_.rates.skip_before(first_stamp_);
+    bag_.world_states.skip_before(first_stamp_);
     bag_.joint_states.skip_before(first_stamp_);
     bag_.poses.skip_before(first_stamp_);
     bag_.transforms.skip_before(first_stamp_);
@@ -61,7 +62,10 @@ void BagVerifier::begin() {
     state = start_state(simulator_.environment, task_->start(), start_.seed, start_.episode);
   }
   try {
-    replay_->reset(0, state);
+    // Of a late recording the swimmer's past is not known, but its noise and the flow's time are.
+    const threelink_sim::EpisodeKey key{start_.seed, start_.episode};
+    late() ? replay_->resume(0, state, key, static_cast<std::uint32_t>(first_step_))
+           : replay_->reset(0, state, key);
   } catch (const std::invalid_argument& error) {
     differ(topics::kState, error.what(), "one within its limits");
   }
@@ -148,6 +152,7 @@ void BagVerifier::compare_end() {
   expect_no_more(topics::kObservation, bag_.observations);
   expect_no_more(topics::kHingeRates, bag_.rates);
   expect_no_more(topics::kAbort, bag_.aborts);
+  expect_no_more(topics::kWorldState, bag_.world_states);
   expect_no_more(topics::kJointStates, bag_.joint_states);
   expect_no_more(topics::kPose, bag_.poses);
   expect_no_more(kTransforms, bag_.transforms);

@@ -93,6 +93,8 @@ RecordedBag read_messages(const BagReader& reader) {
       add_to(bag.episodes, threelink_msgs::Episode());
     } else if (name == topics::kState) {
       add_to(bag.states, threelink_msgs::SwimmerState());
+    } else if (name == topics::kWorldState) {
+      add_to(bag.world_states, threelink_msgs::WorldState());
     } else if (name == topics::kTarget) {
       add_to(bag.targets, geometry_msgs::PointStamped());
     } else if (name == topics::kObservation) {

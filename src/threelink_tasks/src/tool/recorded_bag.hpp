@@ -17,6 +17,7 @@
 #include <threelink_msgs/PolicyWeights.h>
 #include <threelink_msgs/Recording.h>
 #include <threelink_msgs/SwimmerState.h>
+#include <threelink_msgs/WorldState.h>
 
 #include "../core/bag_reader.hpp"
 #include "../node/bag_contents.hpp"
@@ -63,6 +64,7 @@ class Track {
 struct RecordedBag {
   Track<threelink_msgs::Episode> episodes;
   Track<threelink_msgs::SwimmerState> states;
+  Track<threelink_msgs::WorldState> world_states;
   Track<geometry_msgs::PointStamped> targets;
   Track<threelink_msgs::Observation> observations;
   Track<threelink_msgs::HingeRates> rates;

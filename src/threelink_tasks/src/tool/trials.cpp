@@ -30,7 +30,7 @@ constexpr double kVRatio = 0.5;           // of a pursuit
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // null in JSON
 
 struct Options {
-  std::string task, policy, waypoints, parameters = "{}";
+  std::string task, policy, waypoints, world, parameters = "{}";
   double v_ratio = 0;
   int max_steps = 0;
   CLI::Option* v_ratio_given = nullptr;  // whether they are
@@ -143,6 +143,7 @@ int run(const Options& options) {
     return task;
   };
   TrialsConfig config = options.trials;
+  if (!options.world.empty()) config.world = threelink_sim::World::load(options.world);
   config.sampled = !options.mean && (options.sampled || policy.metadata().sampled);
   print(options, summarise(run_trials(make, policy, config), dt));
   return kSuccess;
@@ -181,6 +182,8 @@ int main(int argc, char** argv) {
     app.add_flag("--sampled", options.sampled, "draw actions from the policy's distribution")
         ->excludes(mean);
     app.add_option("--waypoints", options.waypoints, "star: these points (CSV or YAML) instead");
+    app.add_option("--world", options.world,
+                   "world file: flow, obstacles, thermal noise (docs/world.md)");
     app.add_option("--parameters", options.parameters,
                    "further parameters of the task, YAML: '{threshold: 0.05}'; none that another\n"
                    "option gives");

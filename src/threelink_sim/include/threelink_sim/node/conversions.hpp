@@ -7,6 +7,7 @@
 #include <sensor_msgs/JointState.h>
 #include <threelink_msgs/Observation.h>
 #include <threelink_msgs/SwimmerState.h>
+#include <threelink_msgs/WorldState.h>
 
 #include "threelink_sim/environment.hpp"
 
@@ -24,6 +25,9 @@ bool well_formed(const threelink_msgs::SwimmerState& state);
 
 // Fills all but header, episode and step, unrounded: the state can be read back to the bit.
 void to_message(const Model& model, const StepRecord& record, threelink_msgs::SwimmerState& out);
+// Likewise, of an environment of one lane.
+void to_message(const Environment& environment, const StepRecord& record,
+                threelink_msgs::WorldState& out);
 // Fills all but header, episode and step with what is observed in an environment of one lane.
 void to_message(const Environment& environment, threelink_msgs::Observation& out);
 

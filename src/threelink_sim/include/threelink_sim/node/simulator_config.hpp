@@ -12,6 +12,7 @@ namespace threelink_sim {
 
 struct SimulatorConfig {
   EnvironmentConfig environment;
+  std::string world;  // of the environment: its file, or its text
   Scales scales;
   double realtime_factor = 1;
   double peer_timeout = 10;
@@ -23,6 +24,7 @@ struct SimulatorConfig {
     EnvironmentConfig::swimmer_fields(self.environment, visit);
     EnvironmentConfig::reward_fields(self.environment, visit, "reward_b", "reward_c");
     visit("observation", self.environment.observation, "what the agent is shown");
+    visit("world", self.world, "world file, or its text; empty: still water");
     visit("length_scale", self.scales.length, Range<double>{1e-9, 1e6}, "[m] of the length L");
     visit("time_scale", self.scales.time, Range<double>{1e-3, 1e3}, "[s] of the time T0");
     visit("realtime_factor", self.realtime_factor, Range<double>{0, 1e4},

@@ -9,7 +9,8 @@
 
 namespace threelink_sim {
 
-// Sets links, gamma, joint_limit and dt of this node to what they are, defaults too.
+// Sets links, gamma, joint_limit and dt of this node to what they are, defaults too; and `world` to
+// the whole text of the world, so that nobody has to have its file.
 void publish_swimmer_parameters(const EnvironmentConfig& config);
 
 // The swimmer that these parameters of a node tell of, by default that of config/swimmer.yaml;

@@ -22,6 +22,9 @@ class World {
   // Throw UsageError or ParameterError that names file, key, value and bound. Names of files in
   // `yaml` are relative to `folder`, and `source` is what its text is called in errors.
   static std::shared_ptr<const World> load(const std::string& path);
+  // What a parameter or key says: the text of a world, of several lines, or the path of its file.
+  static std::shared_ptr<const World> read(const std::string& text_or_path,
+                                           const std::string& source, const std::string& folder);
   static std::shared_ptr<const World> parse(const std::string& yaml, const std::string& source,
                                             const std::string& folder);
   ~World();

@@ -26,9 +26,11 @@ class WorldStepper {
                const Kernels& still_kernels = threelink_sim::kernels(),
                const WorldKernels& kernels = world_kernels());
 
-  // Begins an episode in lane i. Throws std::invalid_argument if a link of that state touches an
-  // obstacle, or is not within a grid of the flow.
-  void reset(std::size_t i, const SwimmerState& state, const EpisodeKey& key);
+  // Throws std::invalid_argument if a link of that state touches an obstacle, or is not within a
+  // grid of the flow.
+  void check_start(const SwimmerState& state, const EpisodeKey& key);
+  // Begins an episode in lane i, or goes on with it from that step.
+  void begin(std::size_t i, const EpisodeKey& key, std::uint32_t step = 0);
 
   // One action step of all lanes of the batch, as Batch::advance(). Where rates would jam a link
   // between obstacles, all rates of that lane are cut by the same factor.
