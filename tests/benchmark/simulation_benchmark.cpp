@@ -1,4 +1,5 @@
 // Hot paths of the simulation, for each instruction set that the processor has.
+#include <string>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -66,6 +67,39 @@ void environment_step(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * lanes);
 }
 BENCHMARK(environment_step)->Arg(1)->Arg(40)->Arg(256);
+
+// The same swimmers and rates in still water and in a world, whose ratio docs/performance.md has.
+void world_step(benchmark::State& state, const std::string& world) {
+  constexpr std::size_t kLanes = 256;
+  EnvironmentConfig config;
+  if (!world.empty()) config.world = World::parse(world, "world", ".");
+  Environment environment(config, kLanes);
+  Random random(0, Stream::kStart, 0);
+  std::vector<double> rates(2 * kLanes);
+  for (double& rate : rates) rate = random.uniform(-0.3, 0.3);
+  SwimmerState start;
+  start.alpha = HingeVector::Zero(2);
+  for (std::size_t i = 0; i < kLanes; ++i) environment.reset(i, start, {0, std::uint32_t(i + 1)});
+  int step = 0;
+  for (auto _ : state) {
+    if (++step % 64 == 0)
+      for (double& rate : rates) rate = -rate;
+    environment.step(rates.data());
+  }
+  state.SetItemsProcessed(state.iterations() * kLanes);
+}
+BENCHMARK_CAPTURE(world_step, still, "");
+BENCHMARK_CAPTURE(world_step, taylor_green,
+                  "flow: [{kind: taylor_green, u0: 0.0129, k: 1.5707963}]");
+BENCHMARK_CAPTURE(world_step, thermal_noise, "thermal_noise: 1.0e-12");
+// Five discs within reach of every swimmer, at rates that bring it near without cease.
+BENCHMARK_CAPTURE(world_step, five_obstacles, R"(obstacles:
+  - {kind: disc, center: [0.0, 0.3], radius: 0.25}
+  - {kind: disc, center: [0.0, -0.3], radius: 0.25}
+  - {kind: disc, center: [0.7, 0.0], radius: 0.1}
+  - {kind: disc, center: [-0.7, 0.0], radius: 0.1}
+  - {kind: disc, center: [0.6, 0.4], radius: 0.1}
+)");
 
 void nine_by_nine(benchmark::State& state) {
   reference::State6 swimmer = reference::State6::Zero();

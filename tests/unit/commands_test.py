@@ -31,6 +31,7 @@ class Arguments(unittest.TestCase):
                 (["test", "--sanitize=memory"], "`test` takes nothing, --cores, --sanitize"),
                 (["fuzz", "0"], "fuzz 0: the seconds for each reader must be a whole number"),
                 (["fuzz", "policy"], "fuzz policy: the seconds for each reader must be"),
+                (["fuzz", "--seed=x"], "fuzz --seed=x: the seed must be a whole number"),
                 (["fuzz", "1", "nosuch"], "fuzz: there is no reader `nosuch`")):
             with self.subTest(" ".join(arguments)):
                 ended = run(ROOT / "threelink", *arguments)
@@ -64,7 +65,7 @@ class Fuzzers(unittest.TestCase):
 
     def fuzz(self):
         return run("/usr/bin/python3", self.folder / "scripts" / "fuzz.py",
-                   self.folder / "programs", 2, 1)
+                   self.folder / "programs", 2, 1, 3)
 
     def test_what_finds_nothing_passes_with_the_limits_set(self):
         self.harness("calm", 'echo "stat::number_of_executed_units: 7"; echo "$@" >"$0.arguments"')
@@ -73,7 +74,7 @@ class Fuzzers(unittest.TestCase):
         self.assertIn("calm: 7 inputs", ended.stdout)
         self.assertEqual(ended.stdout.splitlines()[-1], "1 passed, 0 failed")
         arguments = (self.folder / "programs" / "calm_fuzz.arguments").read_text(encoding="utf-8")
-        for limit in ("-max_total_time=1", "-timeout=1", "-malloc_limit_mb=64"):
+        for limit in ("-max_total_time=1", "-seed=3", "-timeout=1", "-malloc_limit_mb=64"):
             self.assertIn(limit, arguments)
 
     def test_a_finding_fails_and_says_how_to_see_it_again(self):

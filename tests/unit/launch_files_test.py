@@ -27,7 +27,7 @@ REQUIRED = {"bag": "/some/folder/some.bag", "file": "/some/points.csv",
             "hosts": "pc2,192.168.1.13", "out": "/some/run", "task": "path"}
 # What every launch file of a task takes.
 SHARED = {"rviz", "record", "seed", "episodes", "policy", "sampled", "realtime_factor", "bag_dir",
-          "allow_other_swimmer", "lan"}
+          "allow_other_swimmer", "world", "lan"}
 LOOPBACK = [("ROS_IP", "127.0.0.1"), ("ROS_HOSTNAME", "127.0.0.1")]
 # Installed only where somebody asks for it.
 OPTIONAL_PACKAGES = {"rviz"}

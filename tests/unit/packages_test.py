@@ -15,7 +15,8 @@ ROOT = os.path.realpath(os.path.join(os.path.dirname(os.path.realpath(__file__))
 SYSTEM = {
     "cli11": "libcli11-dev", "eigen": "libeigen3-dev", "ffmpeg": "ffmpeg", "fmt": "libfmt-dev",
     "iproute2": "iproute2", "libnlopt-cxx-dev": "libnlopt-cxx-dev", "libnlopt-dev": "libnlopt-dev",
-    "libssl-dev": "libssl-dev", "liburdfdom-tools": "liburdfdom-tools", "nlohmann-json-dev": "nlohmann-json3-dev",
+    "libpng-dev": "libpng-dev", "libssl-dev": "libssl-dev", "liburdfdom-tools": "liburdfdom-tools",
+    "nlohmann-json-dev": "nlohmann-json3-dev",
     "pkg-config": "pkg-config", "python3-matplotlib": "python3-matplotlib",
     "python3-numpy": "python3-numpy", "python3-setuptools": "python3-setuptools",
     "yaml-cpp": "libyaml-cpp-dev",

@@ -55,10 +55,11 @@ class SwimTest(unittest.TestCase):
                 "--gamma", repr(run["gamma"]), "--links", str(run["links"]))
             self.assertEqual(result.returncode, 0, result.stderr)
             self.assertEqual(rows[0], ["t", "x1", "y1", "theta_1", "theta_2", "theta_3", "xc",
-                                       "yc", "work"])
+                                       "yc", "work", "dissipation"])
             self.assertEqual(len(rows), 2 + len(run["rates"]))
             last = [float(cell) for cell in rows[-1]]
-            expected = [end["x1"], end["y1"]] + end["theta"] + [end["xc"], end["yc"], end["work"]]
+            # In still water all of the work is dissipated.
+            expected = [end["x1"], end["y1"]] + end["theta"] + [end["xc"], end["yc"], end["work"], end["work"]]
             self.assertAlmostEqual(last[0], len(run["rates"]) * run["dt"], delta=1e-12)
             for found, wanted in zip(last[1:], expected):
                 self.assertAlmostEqual(found, wanted, delta=1e-11)

@@ -8,7 +8,7 @@
 #include "small_training.hpp"
 #include "threelink_agent/training/rollout.hpp"
 #include "threelink_sim/goal/goals.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 #include "threelink_tasks/task_factory.hpp"
 #include "threelink_tasks/trials.hpp"
 
@@ -170,7 +170,7 @@ int captured_of(const Policy& policy, const std::string& parameters) {
 
 // The task of another package, of which this one knows nothing.
 TEST(TaskGoal, APluginIsLearned) {
-  threelink_sim::load_task_plugins();
+  threelink_sim::load_plugins();
   const TrainConfig config = config_with(
       "kind: pendulum, bonus: 1.5, v_m: 0.01, random_start: true, amplitude: 0.2, period: 500.0, "
       "threshold: 0.1");

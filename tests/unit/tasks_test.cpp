@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "make_task.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 
 namespace {
 
@@ -376,7 +376,7 @@ TEST(PursuitTask, CapturesNearTheTargetInTheLastStateToo) {
 // --- Plug-ins ------------------------------------------------------------------------------------
 
 TEST(Plugins, ATaskOfAnotherPackageIsPlayedLikeOurOwn) {
-  threelink_sim::load_task_plugins();
+  threelink_sim::load_plugins();
   const auto task = make_task("pendulum", "{amplitude: 2, period: 40, threshold: 0.1}");
   const std::vector<Vector2d> way = targets(*task, 0, 1, 300);
   EXPECT_EQ(way[0], Vector2d(1.5, 0.5));

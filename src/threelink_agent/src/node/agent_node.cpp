@@ -15,7 +15,7 @@
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/topics.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 #include "worker.hpp"
 
 namespace threelink_agent {
@@ -100,7 +100,7 @@ std::optional<Policy> first_policy(std::string& source) {
 }
 
 int run() {
-  threelink_sim::load_task_plugins();  // as goals of trainings
+  threelink_sim::load_plugins();
   threelink_sim::Parameters parameters{ros::NodeHandle("~")};
   if (parameters.flag("collect", false)) return collect(parameters);
   AgentConfig config;

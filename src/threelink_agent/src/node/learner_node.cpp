@@ -11,7 +11,7 @@
 #include "threelink_agent/training/run_lock.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -75,7 +75,7 @@ Parameters read_parameters() {
 }
 
 int run() {
-  threelink_sim::load_task_plugins();  // as goals of trainings
+  threelink_sim::load_plugins();
   const Parameters parameters = read_parameters();
   log_reach();
   ros::AsyncSpinner spinner(1);

@@ -2,7 +2,7 @@
 #include "learner.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 #include "training_server.hpp"
 
 namespace threelink_agent {
@@ -31,7 +31,7 @@ parameters (defaults in brackets)
 )";
 
 int run() {
-  threelink_sim::load_task_plugins();  // as goals of trainings
+  threelink_sim::load_plugins();
   threelink_sim::Parameters given{ros::NodeHandle("~")};
   const int threads = given.integer("threads", {1, 1024}, 1);
   const bool plot = given.flag("plot", true);

@@ -3,7 +3,7 @@
 
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 #include "worker.hpp"
 
 namespace threelink_agent {
@@ -29,7 +29,7 @@ parameters (defaults in brackets)
 )";
 
 int run() {
-  threelink_sim::load_task_plugins();  // as goals of trainings
+  threelink_sim::load_plugins();
   threelink_sim::Parameters parameters{ros::NodeHandle("~")};
   const int threads = parameters.integer("threads", {1, 1024}, 1);
   const double step_cost = parameters.real("step_cost", {0, 1e6}, 0);

@@ -13,7 +13,7 @@
 #include "threelink_agent/training/run_lock.hpp"
 #include "threelink_sim/command_line.hpp"
 #include "threelink_sim/output.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 
 namespace {
 
@@ -76,7 +76,7 @@ void declare(CLI::App& app, Arguments& arguments) {
 }
 
 int train(Arguments& arguments) {
-  threelink_sim::load_task_plugins();  // as goals
+  threelink_sim::load_plugins();
   arguments.run.stop_on_save_error = arguments.on_save_error == "stop";
   RunHooks hooks;
   hooks.make_source = [&](const TrainConfig&) {

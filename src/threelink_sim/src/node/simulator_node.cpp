@@ -11,6 +11,7 @@
 #include "threelink_sim/node/parameters.hpp"
 #include "threelink_sim/node/swimmer_parameters.hpp"
 #include "threelink_sim/node/topics.hpp"
+#include "threelink_sim/plugins.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -67,6 +68,7 @@ void refuse_second_clock() {
 }
 
 int run() {
+  load_plugins();  // as flows of the world
   Parameters parameters{ros::NodeHandle("~")};
   const SimulatorConfig config = read_simulator_config(parameters);
   refuse_second_clock();

@@ -1,4 +1,4 @@
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 
 #include <cstdlib>
 
@@ -6,27 +6,30 @@
 #include <pluginlib/class_loader.hpp>
 
 #include "threelink_sim/task/task_factory.hpp"
+#include "threelink_sim/usage_error.hpp"
+#include "threelink_sim/world/flow.hpp"
 
 namespace threelink_sim {
 namespace {
 
-using Loader = pluginlib::ClassLoader<Task>;
-
-std::unique_ptr<Task> make(Loader& loader, const std::string& name) {
-  try {
-    return std::unique_ptr<Task>(loader.createUnmanagedInstance(name));
-  } catch (const pluginlib::PluginlibException& error) {
-    throw UsageError(fmt::format("task \"{}\": {}", name, error.what()));
-  }
-}
-
-void find_plugins() {
+// Registers each class that derives from Base and that is exported to `package`.
+template <class Base, class Has, class Register>
+void find_plugins(const char* package, const char* base, const char* what, Has has, Register add) {
   if (!std::getenv("ROS_PACKAGE_PATH")) return;  // no workspace, and so no other packages
+  using Loader = pluginlib::ClassLoader<Base>;
   try {
-    // Lives as long as the process: the tasks' code is in the libraries that it has loaded.
-    static auto* const loader = new Loader("threelink_tasks", "threelink_tasks::Task");
+    // Lives as long as the process: the code of the plug-ins is in the libraries that it has
+    // loaded.
+    static auto* const loader = new Loader(package, base);
     for (const std::string& name : loader->getDeclaredClasses())
-      if (!has_task(name)) register_task(name, [name] { return make(*loader, name); });
+      if (!has(name))
+        add(name, [name, what] {
+          try {
+            return std::unique_ptr<Base>(loader->createUnmanagedInstance(name));
+          } catch (const pluginlib::PluginlibException& error) {
+            throw UsageError(fmt::format("{} \"{}\": {}", what, name, error.what()));
+          }
+        });
   } catch (const pluginlib::PluginlibException&) {
     // This package is not in the workspace that is sourced: nor is one that depends on it.
   }
@@ -34,6 +37,13 @@ void find_plugins() {
 
 }  // namespace
 
-void load_task_plugins() { register_task_source(find_plugins); }
+void load_plugins() {
+  register_task_source([] {
+    find_plugins<Task>("threelink_tasks", "threelink_tasks::Task", "task", has_task, register_task);
+  });
+  register_flow_source([] {
+    find_plugins<Flow>("threelink_sim", "threelink_sim::Flow", "flow", has_flow, register_flow);
+  });
+}
 
 }  // namespace threelink_sim

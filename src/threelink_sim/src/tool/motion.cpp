@@ -12,6 +12,7 @@
 #include "threelink_sim/command_line.hpp"
 #include "threelink_sim/csv.hpp"
 #include "threelink_sim/output.hpp"
+#include "threelink_sim/plugins.hpp"
 #include "threelink_sim/swimmer.hpp"
 #include "threelink_sim/world/world_stepper.hpp"
 
@@ -101,6 +102,7 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   return run_tool("motion", [=] {
+    load_plugins();  // as flows of the world
     CLI::App app(
         "The motion of one swimmer in one state, without a step: dimensionless, lengths in L, "
         "times\n"

@@ -15,6 +15,7 @@
 #include "threelink_sim/csv.hpp"
 #include "threelink_sim/files.hpp"
 #include "threelink_sim/output.hpp"
+#include "threelink_sim/plugins.hpp"
 #include "threelink_sim/swimmer.hpp"
 #include "threelink_sim/world/world_stepper.hpp"
 
@@ -189,6 +190,7 @@ void declare(CLI::App& app, Options& options) {
 
 int main(int argc, char** argv) {
   return run_tool("swim", [=] {
+    load_plugins();  // as flows of the world
     CLI::App app(
         "Plays prescribed hinge rates on the N-link swimmer, dimensionless: lengths in L, times in "
         "T0, work in C_perp L^3/T0.");

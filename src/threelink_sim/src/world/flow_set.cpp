@@ -1,6 +1,7 @@
 #include "flow_set.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -14,6 +15,10 @@
 
 namespace threelink_sim {
 namespace {
+
+constexpr std::array<const char*, 8> kOwnKinds{"uniform",      "linear", "poiseuille",
+                                               "taylor_green", "vortex", "double_gyre",
+                                               "random_modes", "grid"};
 
 std::map<std::string, FlowMaker>& registry() {
   static std::map<std::string, FlowMaker> makers;
@@ -84,6 +89,11 @@ double norm(const double a[2][2]) {
 }  // namespace
 
 void register_flow(const std::string& kind, const FlowMaker& make) { registry()[kind] = make; }
+
+bool has_flow(const std::string& kind) {
+  return registry().count(kind) > 0 ||
+         std::find(kOwnKinds.begin(), kOwnKinds.end(), kind) != kOwnKinds.end();
+}
 
 void register_flow_source(const std::function<void()>& find) { source() = find; }
 
@@ -157,8 +167,7 @@ std::string FlowSet::add(ParameterMap& entry, const std::string& folder) {
           "kind",
           fmt::format("its gradient is at most {}: must be finite and not negative", steepest));
   } else {
-    std::vector<std::string> kinds{"uniform", "linear",      "poiseuille",   "taylor_green",
-                                   "vortex",  "double_gyre", "random_modes", "grid"};
+    std::vector<std::string> kinds(kOwnKinds.begin(), kOwnKinds.end());
     for (const auto& known : registry()) kinds.push_back(known.first);
     entry.refuse("kind", "there is no such flow; the nearest one is " + nearest_name(kind, kinds));
   }

@@ -75,13 +75,13 @@ Recorder::Recorder(const RecorderParameters& parameters)
   ros::PollManager::instance()->addPollThreadListener([] { std::this_thread::sleep_for(kNap); });
   hear<threelink_msgs::SwimmerState>(topics::kState, kLoop, subscribers_,
                                      [this](const auto& event) { on_state(event); });
-  listen<geometry_msgs::PointStamped>(topics::kTarget);
-  listen<threelink_msgs::WorldState>(topics::kWorldState);
-  listen<threelink_msgs::Observation>(topics::kObservation);
-  listen<threelink_msgs::HingeRates>(topics::kHingeRates);
-  listen<sensor_msgs::JointState>(topics::kJointStates);
-  listen<geometry_msgs::PoseStamped>(topics::kPose);
-  listen<tf2_msgs::TFMessage>(kTransforms);
+  listen<geometry_msgs::PointStamped>(topics::kTarget, subscribers_);
+  listen<threelink_msgs::Observation>(topics::kObservation, subscribers_);
+  listen<threelink_msgs::HingeRates>(topics::kHingeRates, subscribers_);
+  listen<sensor_msgs::JointState>(topics::kJointStates, subscribers_);
+  listen<geometry_msgs::PoseStamped>(topics::kPose, subscribers_);
+  listen<tf2_msgs::TFMessage>(kTransforms, subscribers_);
+  listen<threelink_msgs::WorldState>(topics::kWorldState, world_subscribers_);
   hear<Episode>(topics::kEpisode, message_size::kSmall, subscribers_,
                 [this](const auto& event) { on_episode(event); });
   hear<threelink_msgs::EpisodeAbort>(topics::kAbort, kLoop, subscribers_,
@@ -128,9 +128,9 @@ void Recorder::hear(const std::string& topic, std::size_t most_bytes,
 }
 
 template <class Message>
-void Recorder::listen(const std::string& topic) {
+void Recorder::listen(const std::string& topic, std::vector<ros::Subscriber>& subscribers) {
   const std::string name = node_.resolveName(topic);
-  hear<Message>(topic, kLoop, subscribers_, [this, name](const Event<Message>& event) {
+  hear<Message>(topic, kLoop, subscribers, [this, name](const Event<Message>& event) {
     on_message(name, event.getConstMessage());
   });
 }
@@ -216,7 +216,17 @@ void Recorder::announce_ready() {
   const auto connected = [](const ros::Subscriber& subscriber) {
     return subscriber.getNumPublishers() > 0;
   };
-  if (!std::all_of(subscribers_.begin(), subscribers_.end(), connected)) {
+  const auto is_published = [this](const std::string& topic) {
+    ros::master::V_TopicInfo published;
+    if (!ros::master::getTopics(published)) return true;  // unknown: asked again
+    return std::any_of(published.begin(), published.end(), [&](const ros::master::TopicInfo& info) {
+      return info.name == node_.resolveName(topic);
+    });
+  };
+  // A simulator that has a world registers world_state before its other topics; one in still water
+  // has none.
+  if (!std::all_of(subscribers_.begin(), subscribers_.end(), connected) ||
+      (!connected(world_subscribers_.front()) && is_published(topics::kWorldState))) {
     connected_since_.reset();
     return;
   }

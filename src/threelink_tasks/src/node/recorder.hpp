@@ -80,7 +80,7 @@ class Recorder {
             std::vector<ros::Subscriber>& subscribers,
             const std::function<void(const Event<Message>&)>& heard);
   template <class Message>
-  void listen(const std::string& topic);
+  void listen(const std::string& topic, std::vector<ros::Subscriber>& subscribers);
   template <class Message>
   void on_message(const std::string& topic, const boost::shared_ptr<Message const>& message);
   void on_state(const Event<threelink_msgs::SwimmerState>& event);
@@ -115,6 +115,7 @@ class Recorder {
   threelink_sim::Diagnostics diagnostics_;
   RecordingCounters counters_;
   std::vector<ros::Subscriber> subscribers_;  // what has to be connected before an episode starts
+  std::vector<ros::Subscriber> world_subscribers_;    // of the simulator, if it has a world
   std::vector<ros::Subscriber> latched_subscribers_;  // what there may be or not
   ros::Publisher recording_;
 

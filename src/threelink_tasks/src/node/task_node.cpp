@@ -2,7 +2,7 @@
 #include "episode_server.hpp"
 #include "task_player.hpp"
 #include "threelink_sim/node/node_main.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 
 namespace threelink_tasks {
 namespace {
@@ -53,7 +53,7 @@ int play_all(TaskPlayer& player, const TaskNodeConfig& config) {
 }
 
 int run() {
-  threelink_sim::load_task_plugins();
+  threelink_sim::load_plugins();
   threelink_sim::Parameters parameters{ros::NodeHandle("~")};
   const TaskNodeConfig config = read_task_node_config(parameters);
   TaskPlayer player(config.player);

@@ -15,7 +15,7 @@
 #include "threelink_agent/evaluate.hpp"
 #include "threelink_sim/command_line.hpp"
 #include "threelink_sim/output.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 #include "threelink_sim/yaml.hpp"
 
 namespace {
@@ -131,7 +131,7 @@ void print(const Options& options, const Summary& summary) {
 }
 
 int run(const Options& options) {
-  threelink_sim::load_task_plugins();
+  threelink_sim::load_plugins();
   const Policy policy = Policy::load(options.policy);
   const double dt = policy.metadata().dt;
   const TaskContext context{dt, threelink_agent::evaluate(policy, 0, 0).speed};

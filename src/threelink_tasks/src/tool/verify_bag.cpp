@@ -11,7 +11,7 @@
 #include "bag_verifier.hpp"
 #include "threelink_sim/command_line.hpp"
 #include "threelink_sim/output.hpp"
-#include "threelink_sim/task/plugins.hpp"
+#include "threelink_sim/plugins.hpp"
 
 namespace threelink_tasks {
 namespace {
@@ -105,7 +105,7 @@ std::string report(const RecordedBag& bag, const Verdict& verdict) {
 
 std::pair<RecordedBag, Verdict> verify(const Options& options) {
   try {
-    threelink_sim::load_task_plugins();
+    threelink_sim::load_plugins();
     RecordedBag bag = read_bag(options.bag);
     Verdict verdict = BagVerifier(bag, find_policies(options, bag)).verify();
     return {std::move(bag), std::move(verdict)};

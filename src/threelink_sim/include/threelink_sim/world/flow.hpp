@@ -35,9 +35,11 @@ class Flow {
   virtual double steepest() const = 0;
 };
 
-// Adds a kind of flow to those of this package.
+// Adds a kind of flow to those of this package, whose names stay theirs.
 using FlowMaker = std::function<std::unique_ptr<Flow>()>;
 void register_flow(const std::string& kind, const FlowMaker& make);
+// Whether a kind is of this package or registered; what a source has is not asked for.
+bool has_flow(const std::string& kind);
 
 // Where other flows come from: `find` is called once, as soon as a kind is asked for that is not
 // there, and registers what it finds.
