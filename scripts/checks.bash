@@ -115,7 +115,6 @@ check() { # [--brief]: all parts run, whatever comes of the others
   tally test --cores
   if [[ ${1:-} == --brief ]]; then
     tally test --sanitize=thread
-    tally fuzz --seed=1 10  # the same inputs for each change, so that a failure is due to the change
     tally lint --brief
   else
     tally test --sanitize
