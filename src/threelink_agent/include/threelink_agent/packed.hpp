@@ -1,4 +1,5 @@
-// Layers in the layout that the kernels read; see kernel/network.hpp.
+/// @file
+/// Layers in the layout that the kernels read; see kernel/network.hpp.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,7 @@
 
 namespace threelink_agent {
 
-// Floats in whole lines of 64 bytes, aligned to them; zero at first.
+/// Floats in whole lines of 64 bytes, aligned to them; zero at first.
 class AlignedFloats {
  public:
   AlignedFloats() = default;
@@ -28,13 +29,13 @@ class AlignedFloats {
   std::vector<Line> lines_;
 };
 
-// Where each layer lies, one behind the other.
+/// Where each layer lies, one behind the other.
 std::vector<PackedLayer> packed_layout(const std::vector<Linear>& layers);
 
-// Floats that they take in all.
+/// Floats that they take in all.
 std::size_t packed_size(const std::vector<PackedLayer>& layout);
 
-// Into `values` of packed_size(layout); the padding is left alone.
+/// Into `values` of packed_size(layout); the padding is left alone.
 void pack(const std::vector<Linear>& layers, const std::vector<PackedLayer>& layout, float* values);
 std::vector<Linear> unpack(const std::vector<PackedLayer>& layout, const float* values);
 

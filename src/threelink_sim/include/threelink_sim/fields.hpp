@@ -1,17 +1,18 @@
-// One list of the fields of a struct: their names, bounds and meanings. From it follow how the
-// struct is read, checked, written and compared.
-//
-//   struct Swing {
-//     double period = 500;
-//     template <class Self, class Visit>
-//     static void fields(Self& self, Visit&& visit) {
-//       visit("period", self.period, Range<double>{1, 1e6}, "[T0] of the way to and fro");
-//     }
-//   };
-//
-// A field is a double, a whole number or a list of them (with the range of each), a bool, text, or
-// an enumeration for which words_of() tells the words. Sections are parts of the name:
-// "update.clip".
+/// @file
+/// One list of the fields of a struct: their names, bounds and meanings. From it follow how the
+/// struct is read, checked, written and compared.
+///
+///   struct Swing {
+///     double period = 500;
+///     template <class Self, class Visit>
+///     static void fields(Self& self, Visit&& visit) {
+///       visit("period", self.period, Range<double>{1, 1e6}, "[T0] of the way to and fro");
+///     }
+///   };
+///
+/// A field is a double, a whole number or a list of them (with the range of each), a bool, text, or
+/// an enumeration for which words_of() tells the words. Sections are parts of the name:
+/// "update.clip".
 #pragma once
 
 #include <algorithm>
@@ -34,7 +35,7 @@
 
 namespace threelink_sim {
 
-// Visits the fields of a part of the struct, with `section` and a dot before their names.
+/// Visits the fields of a part of the struct, with `section` and a dot before their names.
 template <class Part, class Visit>
 void visit_section(const std::string& section, Part& part, Visit& visit) {
   std::remove_const_t<Part>::fields(part,
@@ -45,8 +46,8 @@ void visit_section(const std::string& section, Part& part, Visit& visit) {
 
 // --- Reading -------------------------------------------------------------------------------------
 
-// Reads each field by a getter of the map. A field that the map lacks keeps its value, unless the
-// map wants all of them (ParameterMap::Style::kFile) or the number is NaN, which stands for none.
+/// Reads each field by a getter of the map. A field that the map lacks keeps its value, unless the
+/// map wants all of them (ParameterMap::Style::kFile) or the number is NaN, which stands for none.
 class FieldReader {
  public:
   explicit FieldReader(ParameterMap& map) : map_(map) {}
@@ -111,8 +112,8 @@ class FieldReader {
 
 // --- Checking ------------------------------------------------------------------------------------
 
-// Throws Error, made of what is wrong and what a peer may be told of it, for a number that is out
-// of its range.
+/// Throws Error, made of what is wrong and what a peer may be told of it, for a number that is out
+/// of its range.
 template <class Error>
 class FieldChecker {
  public:
@@ -169,8 +170,8 @@ FieldTexts field_texts(const Struct& written) {
   return texts;
 }
 
-// A line for each field, for the help of a program: "  ~gamma [0.5]  drag ratio .., in [0.001,
-// 10]".
+/// A line for each field, for the help of a program: "  ~gamma [0.5]  drag ratio .., in [0.001,
+/// 10]".
 template <class Struct>
 std::string field_help(const Struct& defaults, const std::string& prefix) {
   std::string help;
@@ -200,10 +201,10 @@ std::string field_help(const Struct& defaults, const std::string& prefix) {
   return help;
 }
 
-// Lines of YAML that read back to the same values, to the bit; sections are maps, one level deep.
+/// Lines of YAML that read back to the same values, to the bit; sections are maps, one level deep.
 std::string to_yaml(const FieldTexts& texts);
 
-// The first field in which two lists differ, with both values; "nothing" where there is none.
+/// The first field in which two lists differ, with both values; "nothing" where there is none.
 struct FieldDifference {
   std::string name, a, b;
 };

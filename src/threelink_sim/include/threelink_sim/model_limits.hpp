@@ -1,4 +1,5 @@
-// Bounds of the model that also size fixed arrays; free of includes, since the kernels use it.
+/// @file
+/// Bounds of the model that also size fixed arrays; free of includes, since the kernels use it.
 #pragma once
 
 namespace threelink_sim {

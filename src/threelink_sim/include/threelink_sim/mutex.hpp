@@ -1,6 +1,7 @@
-// A mutex that clang can follow: -Wthread-safety refuses code that touches a member marked
-// GUARDED_BY(mutex_), or calls a function marked REQUIRES(mutex_), without holding it. Other
-// compilers see a std::mutex. `./threelink lint` checks all nodes so.
+/// @file
+/// A mutex that clang can follow: -Wthread-safety refuses code that touches a member marked
+/// GUARDED_BY(mutex_), or calls a function marked REQUIRES(mutex_), without holding it. Other
+/// compilers see a std::mutex. `./threelink lint` checks all nodes so.
 #pragma once
 
 #include <mutex>
@@ -25,7 +26,7 @@ class THREELINK_THREAD_SAFETY(capability("mutex")) Mutex {
   std::mutex mutex_;
 };
 
-// Holds a mutex as long as it lives; a std::condition_variable_any can wait with it.
+/// Holds a mutex as long as it lives; a std::condition_variable_any can wait with it.
 class THREELINK_THREAD_SAFETY(scoped_lockable) Lock {
  public:
   explicit Lock(Mutex& mutex) THREELINK_THREAD_SAFETY(acquire_capability(mutex)) : mutex_(mutex) {
@@ -35,7 +36,7 @@ class THREELINK_THREAD_SAFETY(scoped_lockable) Lock {
   Lock(const Lock&) = delete;
   Lock& operator=(const Lock&) = delete;
 
-  // For the condition variable.
+  /// For the condition variable.
   void lock() THREELINK_THREAD_SAFETY(acquire_capability()) { mutex_.lock(); }
   void unlock() THREELINK_THREAD_SAFETY(release_capability()) { mutex_.unlock(); }
 

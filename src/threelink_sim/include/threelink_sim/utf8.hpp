@@ -1,4 +1,5 @@
-// Characters of UTF-8.
+/// @file
+/// Characters of UTF-8.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +9,8 @@ namespace threelink_sim {
 
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
-// Bytes of the character that text begins with, 1 to 4; 0 if that is not UTF-8: overlong forms,
-// surrogates and what is cut off are not.
+/// Bytes of the character that text begins with, 1 to 4; 0 if that is not UTF-8: overlong forms,
+/// surrogates and what is cut off are not.
 std::size_t utf8_length(std::string_view text);
 
 }  // namespace threelink_sim

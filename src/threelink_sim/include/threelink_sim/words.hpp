@@ -1,4 +1,5 @@
-// The words for the values of an enumeration.
+/// @file
+/// The words for the values of an enumeration.
 #pragma once
 
 #include <stdexcept>
@@ -9,8 +10,8 @@
 
 namespace threelink_sim {
 
-// Each enumeration that is read or written has an overload of words_of(Enum), found by its
-// namespace, which returns all of its values with their words.
+/// Each enumeration that is read or written has an overload of words_of(Enum), found by its
+/// namespace, which returns all of its values with their words.
 template <class Enum>
 using Words = std::vector<std::pair<Enum, std::string>>;
 

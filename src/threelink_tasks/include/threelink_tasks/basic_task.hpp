@@ -1,4 +1,5 @@
-// A base for tasks; the names by which task plug-ins know it.
+/// @file
+/// A base for tasks; the names by which task plug-ins know it.
 #pragma once
 
 #include "threelink_sim/task/basic_task.hpp"

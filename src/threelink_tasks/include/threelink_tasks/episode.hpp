@@ -1,6 +1,7 @@
-// A whole episode in one process: task, simulation and policy without topics between them.
-//
-// Over topics the same seed and episode number give the same numbers, to the bit.
+/// @file
+/// A whole episode in one process: task, simulation and policy without topics between them.
+///
+/// Over topics the same seed and episode number give the same numbers, to the bit.
 #pragma once
 
 #include <functional>
@@ -11,20 +12,20 @@
 
 namespace threelink_tasks {
 
-// State k of an episode and what was decided in it.
+/// State k of an episode and what was decided in it.
 struct EpisodeStep {
-  std::uint64_t step;  // k
+  std::uint64_t step;  ///< k
   threelink_sim::SwimmerState state;
-  Eigen::Vector2d target;            // [L]
-  threelink_sim::HingeVector rates;  // [1/T0] the policy's answer; empty in the last state
+  Eigen::Vector2d target;            ///< [L]
+  threelink_sim::HingeVector rates;  ///< [1/T0] the policy's answer; empty in the last state
 };
 
-// How an episode stands in state k.
+/// How an episode stands in state k.
 struct EpisodeMeasures {
-  std::uint64_t steps = 0;  // k
-  double time = 0.0;        // [T0] k dt
-  double distance = 0.0;    // [L] centroid to target
-  double mean_speed = 0.0;  // [L/T0] the centroid's net displacement / time; 0 in state 0
+  std::uint64_t steps = 0;  ///< k
+  double time = 0.0;        ///< [T0] k dt
+  double distance = 0.0;    ///< [L] centroid to target
+  double mean_speed = 0.0;  ///< [L/T0] the centroid's net displacement / time; 0 in state 0
 };
 EpisodeMeasures measure(std::uint64_t step, double dt, const Eigen::Vector2d& first_centroid,
                         const Eigen::Vector2d& centroid, const Eigen::Vector2d& target);
@@ -34,8 +35,8 @@ struct EpisodeResult {
   EpisodeMeasures measures;
 };
 
-// `environment` has one lane and the policy's number of links; `sampled` actions are keyed by
-// (seed, episode, step), else they are the mean; `watch` sees every state in order.
+/// `environment` has one lane and the policy's number of links; `sampled` actions are keyed by
+/// (seed, episode, step), else they are the mean; `watch` sees every state in order.
 EpisodeResult run_episode(Task& task, threelink_sim::Environment& environment,
                           const threelink_agent::Policy& policy, std::uint64_t seed,
                           std::uint32_t episode, bool sampled,

@@ -1,4 +1,5 @@
-// What a task is; the names by which task plug-ins know it.
+/// @file
+/// What a task is; the names by which task plug-ins know it.
 #pragma once
 
 #include "threelink_sim/task/task.hpp"

@@ -1,4 +1,5 @@
-// Tasks by name, for this package.
+/// @file
+/// Tasks by name, for this package.
 #pragma once
 
 #include "threelink_sim/task/task_factory.hpp"

@@ -1,4 +1,5 @@
-// Checkpoints on a thread of their own, so that training never waits for a disk.
+/// @file
+/// Checkpoints on a thread of their own, so that training never waits for a disk.
 #pragma once
 
 #include <condition_variable>
@@ -12,21 +13,21 @@
 
 namespace threelink_agent {
 
-// Hands checkpoints to `write` one after the other. While one is being written, at most one waits,
-// the newest: syncing to a slow disk takes longer than an update, and a checkpoint that a newer one
-// is about to replace is worth nothing.
+/// Hands checkpoints to `write` one after the other. While one is being written, at most one waits,
+/// the newest: syncing to a slow disk takes longer than an update, and a checkpoint that a newer
+/// one is about to replace is worth nothing.
 class CheckpointWriter {
  public:
   explicit CheckpointWriter(std::function<void(const Checkpoint&)> write);
-  // Finishes the one that is being written, and drops the one that waits.
+  /// Finishes the one that is being written, and drops the one that waits.
   ~CheckpointWriter();
   CheckpointWriter(const CheckpointWriter&) = delete;
   CheckpointWriter& operator=(const CheckpointWriter&) = delete;
 
   void put(Checkpoint checkpoint);
-  // Until all are written.
+  /// Until all are written.
   void wait();
-  // Throws what the newest write threw, once.
+  /// Throws what the newest write threw, once.
   void check();
 
  private:

@@ -1,4 +1,5 @@
-// Everything that decides what a training does; config/train_vfs.yaml explains each value.
+/// @file
+/// Everything that decides what a training does; config/train_vfs.yaml explains each value.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +18,13 @@
 
 namespace threelink_agent {
 
-// A configuration that cannot be used; what() names the file, the key, its value and the bound. A
-// peer is told no value.
+/// A configuration that cannot be used; what() names the file, the key, its value and the bound. A
+/// peer is told no value.
 using ConfigError = threelink_sim::ParameterError;
 
-// The version that to_yaml() writes. Files of version 1, which have no key `version`, have neither
-// environment.joint_limit, which was 2 pi / 3, nor `goal` and `observation`, but may have a section
-// `homing`: the goal "points", and the observation.
+/// The version that to_yaml() writes. Files of version 1, which have no key `version`, have neither
+/// environment.joint_limit, which was 2 pi / 3, nor `goal` and `observation`, but may have a
+/// section `homing`: the goal "points", and the observation.
 constexpr int kConfigVersion = 2;
 
 struct SymmetryConfig {
@@ -92,20 +93,20 @@ struct UpdateConfig {
 };
 
 struct TrainConfig {
-  std::uint64_t seed = 0;            // of every random number; 0 is as good as any other
-  std::uint32_t episodes = 0;        // N_E
-  std::uint32_t evaluate_every = 0;  // [updates] between deterministic evaluations
+  std::uint64_t seed = 0;            ///< of every random number; 0 is as good as any other
+  std::uint32_t episodes = 0;        ///< N_E
+  std::uint32_t evaluate_every = 0;  ///< [updates] between deterministic evaluations
 
-  // Links, drag ratio, joint limit, dt, b, c and N_s. Its observation is what the critic is shown,
-  // which only training needs: "target" if the goal has one, else "direction".
+  /// Links, drag ratio, joint limit, dt, b, c and N_s. Its observation is what the critic is shown,
+  /// which only training needs: "target" if the goal has one, else "direction".
   threelink_sim::EnvironmentConfig environment;
 
-  // What the policy is shown.
+  /// What the policy is shown.
   threelink_sim::ObservationKind observation = threelink_sim::ObservationKind::kDirection;
 
   threelink_sim::GoalConfig goal;
 
-  // Widths of the tanh layers of actor and critic, 1 to 8 of them.
+  /// Widths of the tanh layers of actor and critic, 1 to 8 of them.
   std::vector<int> hidden;
 
   SymmetryConfig symmetry;
@@ -113,7 +114,7 @@ struct TrainConfig {
   AdvantageSettings advantage;
   UpdateConfig update;
 
-  // All but the goal. version: of the file, whose keys these are.
+  /// All but the goal. version: of the file, whose keys these are.
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit, int version = kConfigVersion) {
     using threelink_sim::Range;
@@ -135,28 +136,28 @@ struct TrainConfig {
     threelink_sim::visit_section("update", self.update, visit);
   }
 
-  // Throws ConfigError that names key, value and bound.
+  /// Throws ConfigError that names key, value and bound.
   void validate() const;
 
-  // What the critic is to be shown.
+  /// What the critic is to be shown.
   threelink_sim::ObservationKind critic_observation() const {
     return goal.has_target() ? threelink_sim::ObservationKind::kTarget
                              : threelink_sim::ObservationKind::kDirection;
   }
-  // Number of updates; the last one has fewer episodes if M does not divide N_E.
+  /// Number of updates; the last one has fewer episodes if M does not divide N_E.
   std::uint32_t updates() const { return (episodes + update.episodes - 1) / update.episodes; }
 };
 
-// Reads YAML that holds every key, no other, each once and of its type, and validates it. What
-// other programs would take for text is no number: quotes, and 1e-3 without its point (YAML 1.1).
-// Throws ConfigError; for an unknown key it names the nearest known one.
+/// Reads YAML that holds every key, no other, each once and of its type, and validates it. What
+/// other programs would take for text is no number: quotes, and 1e-3 without its point (YAML 1.1).
+/// Throws ConfigError; for an unknown key it names the nearest known one.
 TrainConfig load_train_config(const std::string& path);
 TrainConfig parse_train_config(const std::string& yaml, const std::string& source);
 
-// The YAML that parse_train_config() reads back to the same configuration.
+/// The YAML that parse_train_config() reads back to the same configuration.
 std::string to_yaml(const TrainConfig& config);
 
-// The first key in which two configurations differ, with both values as to_yaml() writes them.
+/// The first key in which two configurations differ, with both values as to_yaml() writes them.
 std::optional<threelink_sim::FieldDifference> first_difference(const TrainConfig& a,
                                                                const TrainConfig& b);
 

@@ -1,4 +1,5 @@
-// What goes into one update beside the rollout, and what comes out of it.
+/// @file
+/// What goes into one update beside the rollout, and what comes out of it.
 #pragma once
 
 namespace threelink_agent {
@@ -9,10 +10,10 @@ struct LearningRates {
 };
 
 struct UpdateStatistics {
-  double policy_loss = 0;    // mean over the samples of all epochs
-  double value_loss = 0;     // likewise
-  double kl = 0;             // mean estimate of KL(old || new) in the last epoch
-  double clip_fraction = 0;  // of the last epoch's samples: ratio outside 1 +- epsilon
+  double policy_loss = 0;    ///< mean over the samples of all epochs
+  double value_loss = 0;     ///< likewise
+  double kl = 0;             ///< mean estimate of KL(old || new) in the last epoch
+  double clip_fraction = 0;  ///< of the last epoch's samples: ratio outside 1 +- epsilon
 };
 
 }  // namespace threelink_agent

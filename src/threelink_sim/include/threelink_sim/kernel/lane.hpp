@@ -1,15 +1,16 @@
-// Lanes: the arithmetic in which the physics and the networks are written once.
-//
-// A function template over a lane type works on one sample (`double`, `float`) or on a SIMD pack of
-// them, and gives the same bits for each sample either way: packs only add, subtract, multiply,
-// divide, compare and fuse element by element, fusing is explicit (`fma`) and the compiler is told
-// not to fuse on its own (-ffp-contract=off), and sine, cosine, logarithm and tanh are our own.
-//
-// This header is compiled once for each instruction set, inside a namespace of that name, so that
-// no function built for AVX-512 can be linked into code that runs without it. For the same reason
-// it uses nothing of the standard library.
-//
-// Before including it, define THREELINK_ISA as baseline, avx2 or avx512 (kernel files only).
+/// @file
+/// Lanes: the arithmetic in which the physics and the networks are written once.
+///
+/// A function template over a lane type works on one sample (`double`, `float`) or on a SIMD pack
+/// of them, and gives the same bits for each sample either way: packs only add, subtract, multiply,
+/// divide, compare and fuse element by element, fusing is explicit (`fma`) and the compiler is told
+/// not to fuse on its own (-ffp-contract=off), and sine, cosine, logarithm and tanh are our own.
+///
+/// This header is compiled once for each instruction set, inside a namespace of that name, so that
+/// no function built for AVX-512 can be linked into code that runs without it. For the same reason
+/// it uses nothing of the standard library.
+///
+/// Before including it, define THREELINK_ISA as baseline, avx2 or avx512 (kernel files only).
 #pragma once
 
 #if !defined(THREELINK_ISA)
@@ -37,7 +38,7 @@ typedef float FloatPack __attribute__((vector_size(kRegister)));
 typedef long long LongPack __attribute__((vector_size(kRegister)));
 typedef int IntPack __attribute__((vector_size(kRegister)));
 
-// For what would leave most of a register empty. Either is the FloatPack where that is as narrow.
+/// For what would leave most of a register empty. Either is the FloatPack where that is as narrow.
 typedef float QuadPack __attribute__((vector_size(16)));
 #if defined(__AVX2__)
 typedef float OctPack __attribute__((vector_size(32)));
@@ -140,19 +141,19 @@ inline FloatPack sqrt(FloatPack x) {
 }
 #endif
 
-// The same value in every lane.
+/// The same value in every lane.
 template <class R>
 inline R all(typename LaneTraits<R>::Scalar value) {
   return value - R{};
 }
 
-// mask ? a : b, lane by lane. The mask is what a comparison of two lanes gives.
+/// mask ? a : b, lane by lane. The mask is what a comparison of two lanes gives.
 template <class Mask, class R>
 inline R select(Mask mask, R a, R b) {
   return mask ? a : b;
 }
 
-// The smaller and the larger of two floats; x if either is NaN.
+/// The smaller and the larger of two floats; x if either is NaN.
 inline float min(float bound, float x) { return bound < x ? bound : x; }
 inline float max(float bound, float x) { return bound > x ? bound : x; }
 #if defined(__x86_64__)
@@ -195,7 +196,7 @@ inline void store(R value, Scalar* to) {
   __builtin_memcpy(to, &value, sizeof(R));
 }
 
-// The bits of a lane, and back.
+/// The bits of a lane, and back.
 template <class R>
 inline Int<R> bits(R value) {
   Int<R> result;
@@ -209,8 +210,8 @@ inline R from_bits(Int<R> value) {
   return result;
 }
 
-// The bits of a whole number moved to the left. C++17 leaves `<<` undefined where a sign bit is
-// lost, for a number; for a pack, the compiler defines it.
+/// The bits of a whole number moved to the left. C++17 leaves `<<` undefined where a sign bit is
+/// lost, for a number; for a pack, the compiler defines it.
 inline long long shift_left(long long value, int by) {
   return (long long)((unsigned long long)value << by);
 }
@@ -220,11 +221,11 @@ inline Pack shift_left(Pack value, int by) {
   return value << by;
 }
 
-// Sine and cosine of a double lane: error < 2.3e-16 for |x| < 1e5.
-//
-// Cody and Waite: x = k pi/2 + r, |r| <= pi/4, with pi/2 in two parts of which the first is short
-// enough for k times it to be exact; then the minimax polynomials of fdlibm (k_sin.c, k_cos.c) in
-// r^2, and the quadrant k mod 4 swaps and signs them.
+/// Sine and cosine of a double lane: error < 2.3e-16 for |x| < 1e5.
+///
+/// Cody and Waite: x = k pi/2 + r, |r| <= pi/4, with pi/2 in two parts of which the first is short
+/// enough for k times it to be exact; then the minimax polynomials of fdlibm (k_sin.c, k_cos.c) in
+/// r^2, and the quadrant k mod 4 swaps and signs them.
 template <class R>
 inline void sincos(R x, R& sine, R& cosine) {
   const R magic = all<R>(0x1.8p52);  // adding it rounds to the nearest integer
@@ -253,7 +254,7 @@ inline void sincos(R x, R& sine, R& cosine) {
   cosine = from_bits<R>(bits(select(odd, s, c)) ^ sign_of_cosine);
 }
 
-// Sine and cosine for |x| <= 0.3, by their Taylor series: error < 5e-14 at 0.3, < 2e-17 at 0.1.
+/// Sine and cosine for |x| <= 0.3, by their Taylor series: error < 5e-14 at 0.3, < 2e-17 at 0.1.
 template <class R>
 inline void small_sincos(R x, R& sine, R& cosine) {
   const R z = x * x;
@@ -267,8 +268,8 @@ inline void small_sincos(R x, R& sine, R& cosine) {
   cosine = fma(z, q, all<R>(1.0));
 }
 
-// Natural logarithm of a positive, normal double lane, within 1 ulp or so (fdlibm, e_log.c):
-// x = 2^k (1 + f), s = f / (2 + f), log(1 + f) = f - f^2/2 + s (f^2/2 + R(s^2)).
+/// Natural logarithm of a positive, normal double lane, within 1 ulp or so (fdlibm, e_log.c):
+/// x = 2^k (1 + f), s = f / (2 + f), log(1 + f) = f - f^2/2 + s (f^2/2 + R(s^2)).
 template <class R>
 inline R log(R x) {
   // Shifting by the offset of sqrt(1/2) puts 1 + f between sqrt(1/2) and sqrt(2).
@@ -291,8 +292,8 @@ inline R log(R x) {
   return fma(k, all<R>(6.93147180369123816490e-01), f - (half_square - low));
 }
 
-// Exponential of a double lane, |x| < 700, within 1 ulp or so (fdlibm, e_exp.c): x = k ln 2 + r,
-// |r| <= ln 2 / 2, c = r - r^2 P(r^2), exp x = 2^k (1 + r + r c / (2 - c)).
+/// Exponential of a double lane, |x| < 700, within 1 ulp or so (fdlibm, e_exp.c): x = k ln 2 + r,
+/// |r| <= ln 2 / 2, c = r - r^2 P(r^2), exp x = 2^k (1 + r + r c / (2 - c)).
 template <class R>
 inline R exp(R x) {
   const R magic = all<R>(0x1.8p52);  // adding it rounds to the nearest integer

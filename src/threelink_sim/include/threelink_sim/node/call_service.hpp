@@ -1,5 +1,6 @@
-// Calls of services whose server may hang: roscpp waits for an answer without end, unless the
-// connection breaks.
+/// @file
+/// Calls of services whose server may hang: roscpp waits for an answer without end, unless the
+/// connection breaks.
 #pragma once
 
 #include <chrono>
@@ -13,8 +14,8 @@ namespace threelink_sim {
 
 enum class Called { kAnswered, kFailed, kTooLate, kEnding };
 
-// Gives up after so many seconds of wall time, and when the node has to end; `client` is then of no
-// use any more.
+/// Gives up after so many seconds of wall time, and when the node has to end; `client` is then of
+/// no use any more.
 template <class Service>
 Called call_service(ros::ServiceClient& client, Service& service, double seconds) {
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,6 @@
-// How messages and service calls come into a node: whoever sends them, none may cost more than its
-// own length, and what is no message of the topic's type is counted, and told at times.
+/// @file
+/// How messages and service calls come into a node: whoever sends them, none may cost more than its
+/// own length, and what is no message of the topic's type is counted, and told at times.
 #pragma once
 
 #include <cstdint>
@@ -20,13 +21,13 @@ namespace threelink_sim {
 
 // [bytes] of a message, at most.
 namespace message_size {
-constexpr std::size_t kSmall = std::size_t{1} << 20;   // states, observations, rates, texts
-constexpr std::size_t kFile = std::size_t{64} << 20;   // policies
-constexpr std::size_t kArrays = std::size_t{1} << 30;  // batches of episodes; roscpp takes no more
+constexpr std::size_t kSmall = std::size_t{1} << 20;   ///< states, observations, rates, texts
+constexpr std::size_t kFile = std::size_t{64} << 20;   ///< policies
+constexpr std::size_t kArrays = std::size_t{1} << 30;  ///< batches of episodes; roscpp's limit
 }  // namespace message_size
 
-// What a topic or a service lets in. Counts as "NAME refused: malformed", where there are
-// diagnostics.
+/// What a topic or a service lets in. Counts as "NAME refused: malformed", where there are
+/// diagnostics.
 class Intake {
  public:
   Intake(const std::string& name, std::size_t most_bytes, Diagnostics* diagnostics)
@@ -34,7 +35,7 @@ class Intake {
         most_bytes_(most_bytes),
         malformed_(diagnostics ? &diagnostics->refusals(name + " refused: malformed") : nullptr) {}
 
-  // Calls read(), which deserialises so many bytes of a sender; false if they are refused.
+  /// Calls read(), which deserialises so many bytes of a sender; false if they are refused.
   template <class Read>
   bool take(std::size_t bytes, const boost::shared_ptr<ros::M_string>& header, Read read) {
     if (bytes > most_bytes_) {
@@ -52,9 +53,9 @@ class Intake {
   }
 
  private:
-  // [bytes] No array takes more room than this many times its own bytes in the message: the least
-  // that an element can have there, an empty string's length, is 4 bytes, and the largest structure
-  // of our messages 400.
+  /// [bytes] No array takes more room than this many times its own bytes in the message: the least
+  /// that an element can have there, an empty string's length, is 4 bytes, and the largest
+  /// structure of our messages 400.
   static constexpr std::size_t kTimes = 100, kAlways = 4096;
 
   void refuse(std::size_t bytes, const boost::shared_ptr<ros::M_string>& header,
@@ -117,8 +118,8 @@ class IntakeOfService : public ros::ServiceCallbackHelper {
   Intake intake_;
 };
 
-// Both are as those of the node handle, in whose queue the callbacks run; `diagnostics`, if there
-// are any, must live as long. Publishers of another type are told (peer_types.hpp).
+/// Both are as those of the node handle, in whose queue the callbacks run; `diagnostics`, if there
+/// are any, must live as long. Publishers of another type are told (peer_types.hpp).
 template <class Message>
 ros::Subscriber subscribe(ros::NodeHandle& node, const std::string& topic, std::uint32_t queue,
                           std::size_t most_bytes, Diagnostics* diagnostics,
@@ -151,11 +152,11 @@ ros::ServiceServer advertise_service(ros::NodeHandle& node, const std::string& n
   return node.advertiseService(options);
 }
 
-// The one node whose messages on a topic count: the one that is expected, or else the first whose
-// message was good.
+/// The one node whose messages on a topic count: the one that is expected, or else the first whose
+/// message was good.
 class Peer {
  public:
-  void expect(const std::string& node) { node_ = node; }  // "": whoever is first
+  void expect(const std::string& node) { node_ = node; }  ///< "": whoever is first
   bool may_be(const std::string& node) const { return node_.empty() || node_ == node; }
   void is(const std::string& node) {
     if (node_.empty()) node_ = node;

@@ -1,4 +1,5 @@
-// A node's private parameters, read strictly.
+/// @file
+/// A node's private parameters, read strictly.
 #pragma once
 
 #include <string>
@@ -13,9 +14,9 @@ namespace threelink_sim {
 
 class Parameters : public ParameterMap {
  public:
-  // Reads all private parameters of this node at once.
+  /// Reads all private parameters of this node at once.
   explicit Parameters(const ros::NodeHandle& private_handle);
-  // From a struct of values; `scope` is what their names begin with in messages.
+  /// From a struct of values; `scope` is what their names begin with in messages.
   Parameters(const std::string& scope, const XmlRpc::XmlRpcValue& values);
 };
 

@@ -1,4 +1,5 @@
-// A path for rviz that covers a whole episode, however long, in a bounded number of poses.
+/// @file
+/// A path for rviz that covers a whole episode, however long, in a bounded number of poses.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,7 @@ class ThinnedPath {
     stride_ = 1;
   }
 
-  // The pose in state `step`, in rising order.
+  /// The pose in state `step`, in rising order.
   void add(std::uint64_t step, const geometry_msgs::PoseStamped& pose) {
     path_.header.stamp = pose.header.stamp;
     if (step % stride_ != 0) return;
@@ -32,10 +33,10 @@ class ThinnedPath {
   const nav_msgs::Path& message() const { return path_; }
 
  private:
-  static constexpr std::size_t kPoses = 2000;  // from here on, every second one is dropped
+  static constexpr std::size_t kPoses = 2000;  ///< from here on, every second one is dropped
 
   nav_msgs::Path path_;
-  std::uint64_t stride_ = 1;  // [steps] between poses
+  std::uint64_t stride_ = 1;  ///< [steps] between poses
 };
 
 }  // namespace threelink_sim

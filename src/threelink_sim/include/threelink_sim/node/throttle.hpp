@@ -1,4 +1,5 @@
-// Holds a repeated output to a rate of wall time without ever losing the last of it.
+/// @file
+/// Holds a repeated output to a rate of wall time without ever losing the last of it.
 #pragma once
 
 #include <chrono>
@@ -10,20 +11,20 @@ class Throttle {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  // rate [1/s], > 0
+  /// rate [1/s], > 0
   explicit Throttle(double rate)
       : interval_(std::chrono::nanoseconds(static_cast<std::int64_t>(1e9 / rate))) {}
 
-  // There is something new to put out.
+  /// There is something new to put out.
   void request() { pending_ = true; }
-  // True if it is to be put out now.
+  /// True if it is to be put out now.
   bool take(Time now) {
     if (now < deadline()) return false;
     pending_ = false;
     next_ = now + interval_;
     return true;
   }
-  // When to call take() at the latest; Time::max() if nothing is pending.
+  /// When to call take() at the latest; Time::max() if nothing is pending.
   Time deadline() const { return pending_ ? next_ : Time::max(); }
 
  private:

@@ -1,4 +1,5 @@
-// Names of topics and services, relative: launch files put all into the namespace `threelink`.
+/// @file
+/// Names of topics and services, relative: launch files put all into the namespace `threelink`.
 #pragma once
 
 namespace threelink_sim {
@@ -25,19 +26,19 @@ constexpr char kMarkers[] = "markers";
 constexpr char kSwimmerPath[] = "swimmer_path";
 constexpr char kTargetPath[] = "target_path";
 constexpr char kWaypoints[] = "waypoints";
-constexpr char kTargetMarker[] = "target_marker";   // interactive
-constexpr char kClickedPoint[] = "/clicked_point";  // rviz's "Publish Point"
-constexpr char kRunEpisode[] = "run_episode";       // action
-constexpr char kTrain[] = "train";                  // action
-constexpr char kReset[] = "reset";                  // service
-constexpr char kLoadPolicy[] = "load_policy";       // service
+constexpr char kTargetMarker[] = "target_marker";   ///< interactive
+constexpr char kClickedPoint[] = "/clicked_point";  ///< rviz's "Publish Point"
+constexpr char kRunEpisode[] = "run_episode";       ///< action
+constexpr char kTrain[] = "train";                  ///< action
+constexpr char kReset[] = "reset";                  ///< service
+constexpr char kLoadPolicy[] = "load_policy";       ///< service
 
 }  // namespace topics
 
 namespace frames {
 
-constexpr char kWorld[] = "world";         // fixed
-constexpr char kBaseLink[] = "base_link";  // heading link: origin its midpoint, x along it
+constexpr char kWorld[] = "world";         ///< fixed
+constexpr char kBaseLink[] = "base_link";  ///< heading link: origin its midpoint, x along it
 
 }  // namespace frames
 }  // namespace threelink_sim
