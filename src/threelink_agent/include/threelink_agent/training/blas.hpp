@@ -1,11 +1,12 @@
 /// @file
-/// Which linear algebra LibTorch runs on; it decides most of the speed of training.
+/// The BLAS library of LibTorch, which determines most of its speed.
 #pragma once
 
 #include <string>
 
 namespace threelink_agent {
 
+/// A BLAS library.
 struct Blas {
   std::string library;  ///< path of the loaded shared object
   std::string
@@ -18,8 +19,8 @@ struct Blas {
 /// The BLAS that this process has loaded, found among its shared objects.
 Blas blas_in_use();
 
-/// One thread for BLAS and LibTorch inside each of our own threads: more are slower for networks of
-/// this size, and results would depend on their number.
+/// Sets BLAS and LibTorch to one thread for each operation. More are slower for networks of this
+/// size, and results would depend on their number.
 void use_one_thread_per_operation();
 
 }  // namespace threelink_agent

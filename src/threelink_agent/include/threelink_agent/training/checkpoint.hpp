@@ -27,13 +27,14 @@
 
 namespace threelink_agent {
 
-/// Bytes that are no checkpoint of this training; what() names the source, the piece, its value and
-/// what it must be.
+/// Error for bytes that are not a checkpoint of this training. what() names the source, the entry,
+/// its value and the expected one.
 class CheckpointError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
+/// The content of a checkpoint.
 struct Checkpoint {
   TrainConfig config;
   std::string backend;
@@ -42,11 +43,12 @@ struct Checkpoint {
   double seconds = 0;  ///< [s]
 };
 
+/// The bytes of a checkpoint file.
 std::string serialize(const Checkpoint& checkpoint);
 
-/// Checks hashes, every tensor's shape against the networks of `config`, that every number is
-/// finite and every counter within its bounds, and that the configuration is `config`. Throws
-/// CheckpointError.
+/// Reads a checkpoint. Checks both hashes, the shape of every tensor against the networks of
+/// `config`, that every number is finite and every counter within its bounds, and that the
+/// checkpoint's configuration is `config`. Throws CheckpointError.
 Checkpoint parse_checkpoint(const std::string& bytes, const std::string& source,
                             const TrainConfig& config);
 

@@ -20,7 +20,7 @@ class TanhNetwork : public torch::nn::Module {
   std::int64_t inputs() const { return layers_.front()->weight.size(1); }
   torch::Tensor forward(torch::Tensor x);  ///< (n, inputs) -> (n, outputs)
 
-  /// Copies of the parameters, in and out; `layers` must have the shapes of layers().
+  /// Copies of the parameters. The argument of set_layers() must have the shapes of layers().
   std::vector<Linear> layers() const;
   void set_layers(const std::vector<Linear>& layers);
 

@@ -1,6 +1,6 @@
 /// @file
-/// The update by LibTorch's autograd and Adam: slower than FusedUpdate, and what it is tested
-/// against.
+/// The update by LibTorch's autograd and Adam. It is slower than FusedUpdate and serves as its
+/// reference in tests.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace threelink_agent {
 
-/// Actor and critic are independent given the batch, so that two threads give the same bits as one.
+/// Actor and critic are independent of each other, so that two threads give the same bits as one.
 class TorchUpdate : public PpoUpdate {
  public:
-  /// Sets BLAS and LibTorch, in the whole process, to one thread for each operation.
-  /// threads: at least 1; two at most are used.
+  /// Sets BLAS and LibTorch in the whole process to one thread for each operation. threads: at
+  /// least 1; at most two are used.
   TorchUpdate(const TrainConfig& config, int threads);
 
   UpdateStatistics run(const Rollout& rollout, const Advantages& advantages, std::uint32_t update,

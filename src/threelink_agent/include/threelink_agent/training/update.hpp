@@ -1,14 +1,16 @@
 /// @file
-/// What goes into one update beside the rollout, and what comes out of it.
+/// Inputs of one update beside the rollout, and its statistics.
 #pragma once
 
 namespace threelink_agent {
 
+/// Learning rates of one update.
 struct LearningRates {
   double actor = 0;
   double critic = 0;
 };
 
+/// Statistics of one update.
 struct UpdateStatistics {
   double policy_loss = 0;    ///< mean over the samples of all epochs
   double value_loss = 0;     ///< likewise
