@@ -18,8 +18,8 @@ torch::Tensor log_probability(const torch::Tensor& actions, const torch::Tensor&
 torch::Tensor entropy(const torch::Tensor& log_std);
 
 /// -E[min(r A, clip(r, 1 - epsilon, 1 + epsilon) A)] with r = exp(log_ratio); log_ratio, advantages
-/// (n). The gradient vanishes where r has left the interval on the side to which the advantage
-/// pushes.
+/// (n). The gradient is 0 where r is outside the interval on the side towards which the advantage
+/// pushes it.
 torch::Tensor clipped_policy_loss(const torch::Tensor& log_ratio, const torch::Tensor& advantages,
                                   double epsilon);
 
@@ -30,7 +30,7 @@ torch::Tensor value_loss(const torch::Tensor& values, const torch::Tensor& retur
 /// divergence", 2020).
 torch::Tensor kl_estimate(const torch::Tensor& log_ratio);
 
-/// Share of the samples whose ratio is outside [1 - epsilon, 1 + epsilon].
+/// Fraction of the samples whose ratio is outside [1 - epsilon, 1 + epsilon].
 torch::Tensor clip_fraction(const torch::Tensor& log_ratio, double epsilon);
 
 }  // namespace threelink_agent

@@ -1,5 +1,5 @@
 /// @file
-/// One PPO update of actor and critic: what every backend of the trainer does.
+/// One PPO update of actor and critic: the interface of the backends.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace threelink_agent {
 
-/// Holds the networks and the state of their optimisers. Actor and critic share no parameter and no
-/// loss: each has its own Adam and its own limit of the gradient.
+/// Holds the networks and the state of their optimisers. Actor and critic share neither parameters
+/// nor loss; each has its own Adam and its own limit of the gradient norm.
 class PpoUpdate {
  public:
   virtual ~PpoUpdate() = default;
@@ -27,10 +27,11 @@ class PpoUpdate {
   virtual Mlp actor() const = 0;
   virtual Mlp critic() const = 0;
   virtual Eigen::VectorXf log_std() const = 0;  ///< (A)
-  /// Of a scheduled standard deviation [1/T0].
+  /// Sets a scheduled standard deviation [1/T0].
   virtual void set_std(double std) = 0;
 
-  /// A state that is restored goes on to the same bits. Its shapes must be those of state().
+  /// The state of networks and optimisers. After restore(), whose argument must have the shapes of
+  /// state(), the updates give the same bits again.
   virtual LearnerState state() const = 0;
   virtual void restore(const LearnerState& state) = 0;
 };
