@@ -4,7 +4,9 @@
 
 namespace threelink_sim {
 
+/// Largest number of links N.
 constexpr int kMaxLinks = 32;
+/// Largest number of hinges N-1.
 constexpr int kMaxHinges = kMaxLinks - 1;
 
 }  // namespace threelink_sim

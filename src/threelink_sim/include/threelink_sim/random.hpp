@@ -1,5 +1,6 @@
 /// @file
-/// Random numbers that depend on where they are used, not on how many were drawn before.
+/// Random numbers that depend on their place of use, not on the number of earlier draws.
+///
 ///
 /// A counter-based generator (Philox4x32-10) turns (seed, stream, episode, step, draw) into
 /// numbers, so that an episode can be repeated alone, in any order, on any worker, on any machine,
@@ -10,7 +11,7 @@
 
 namespace threelink_sim {
 
-/// What the numbers are for. Values are part of the file formats: append, never renumber.
+/// Use of the numbers. The values are part of the file formats: append, never renumber.
 enum class Stream : std::uint32_t {
   kStart = 1,           ///< start states
   kExploration = 2,     ///< noise on the actions
@@ -18,7 +19,7 @@ enum class Stream : std::uint32_t {
   kInitialisation = 4,  ///< network weights
   kMinibatch = 5,       ///< order of the samples in an update
   kMirror = 6,          ///< which episodes of an update are mirrored
-  kStroke = 7,          ///< where the search for an optimal stroke starts
+  kStroke = 7,          ///< starts of the search for an optimal stroke
   kThermal = 8,         ///< thermal motion
   kFlow = 9,            ///< waves of a random flow
 };
@@ -31,14 +32,14 @@ struct RandomCounter {
   std::uint32_t stream;
 };
 
-/// A sequence of draws at one place.
+/// A sequence of draws for one key.
 class Random {
  public:
   Random(std::uint64_t seed, Stream stream, std::uint32_t episode, std::uint32_t step = 0);
 
-  /// In (0, 1), ends excluded; 52 bits.
+  /// Uniform in (0, 1), ends excluded; 52 bits.
   double uniform();
-  /// In (low, high).
+  /// Uniform in (low, high).
   double uniform(double low, double high);
   /// Standard normal.
   double normal();
