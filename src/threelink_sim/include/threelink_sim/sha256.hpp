@@ -7,7 +7,7 @@
 
 namespace threelink_sim {
 
-/// 64 lower-case hex digits.
+/// The hash as 64 lower-case hex digits.
 std::string sha256(std::string_view bytes);
 
 }  // namespace threelink_sim

@@ -1,5 +1,5 @@
 /// @file
-/// Strokes as files: JSON with all that a stroke is and does; CSV with its rates, for `swim`.
+/// Files of strokes: JSON with the stroke and its results, and CSV with its rates for `swim`.
 #pragma once
 
 #include <string>
@@ -14,11 +14,12 @@ namespace threelink_sim {
 /// displacement, rotation, work, speed, power, efficiency: docs/strokes.md describes each.
 nlohmann::json stroke_to_json(const Stroke& stroke, const SwimmerState& start);
 
-/// Both throw UsageError that names the field and what is wrong, load_stroke() the file, too.
+/// Reads a stroke. Throws UsageError that names the field and the fault; load_stroke() also names
+/// the file.
 Stroke parse_stroke(const std::string& text);
 Stroke load_stroke(const std::string& path);
 
-/// `rates` of stroke_to_json(): one row a piece, one column a hinge, 17 significant digits, no
+/// `rates` of stroke_to_json(): one row per piece, one column per hinge, 17 significant digits, no
 /// header.
 std::string rates_as_csv(const nlohmann::json& rates);
 

@@ -1,5 +1,5 @@
 /// @file
-/// A base for tasks; the names by which task plug-ins know it.
+/// The base class of tasks under the names that plug-ins use.
 #pragma once
 
 #include "threelink_sim/task/basic_task.hpp"

@@ -1,5 +1,5 @@
 /// @file
-/// What a task is; the names by which task plug-ins know it.
+/// The interface of a task under the names that plug-ins use.
 #pragma once
 
 #include "threelink_sim/task/task.hpp"

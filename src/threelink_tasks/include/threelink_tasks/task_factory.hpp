@@ -1,5 +1,5 @@
 /// @file
-/// Tasks by name, for this package.
+/// The registry of tasks under the names of this package.
 #pragma once
 
 #include "threelink_sim/task/task_factory.hpp"

@@ -1,10 +1,13 @@
 /// @file
-/// Lanes: the arithmetic in which the physics and the networks are written once.
+/// Lanes: the arithmetic of the physics and the networks, which are written once for all lane
+/// types.
+///
 ///
 /// A function template over a lane type works on one sample (`double`, `float`) or on a SIMD pack
-/// of them, and gives the same bits for each sample either way: packs only add, subtract, multiply,
-/// divide, compare and fuse element by element, fusing is explicit (`fma`) and the compiler is told
-/// not to fuse on its own (-ffp-contract=off), and sine, cosine, logarithm and tanh are our own.
+/// of them, and gives the same bits for each sample in both cases: packs only add, subtract,
+/// multiply, divide, compare and fuse element by element, fusing is explicit (`fma`) and the
+/// compiler is told not to fuse on its own (-ffp-contract=off), and sine, cosine, logarithm and
+/// tanh are implemented here.
 ///
 /// This header is compiled once for each instruction set, inside a namespace of that name, so that
 /// no function built for AVX-512 can be linked into code that runs without it. For the same reason
@@ -38,7 +41,8 @@ typedef float FloatPack __attribute__((vector_size(kRegister)));
 typedef long long LongPack __attribute__((vector_size(kRegister)));
 typedef int IntPack __attribute__((vector_size(kRegister)));
 
-/// For what would leave most of a register empty. Either is the FloatPack where that is as narrow.
+/// Narrow packs, for small numbers of components that would leave most of a register empty. A
+/// narrow pack is the FloatPack itself if that is not wider.
 typedef float QuadPack __attribute__((vector_size(16)));
 #if defined(__AVX2__)
 typedef float OctPack __attribute__((vector_size(32)));
@@ -141,13 +145,13 @@ inline FloatPack sqrt(FloatPack x) {
 }
 #endif
 
-/// The same value in every lane.
+/// A pack with the same value in every lane.
 template <class R>
 inline R all(typename LaneTraits<R>::Scalar value) {
   return value - R{};
 }
 
-/// mask ? a : b, lane by lane. The mask is what a comparison of two lanes gives.
+/// mask ? a : b for each lane. The mask is the result of a comparison.
 template <class Mask, class R>
 inline R select(Mask mask, R a, R b) {
   return mask ? a : b;
@@ -196,7 +200,7 @@ inline void store(R value, Scalar* to) {
   __builtin_memcpy(to, &value, sizeof(R));
 }
 
-/// The bits of a lane, and back.
+/// The bits of a lane as integers.
 template <class R>
 inline Int<R> bits(R value) {
   Int<R> result;
@@ -268,7 +272,7 @@ inline void small_sincos(R x, R& sine, R& cosine) {
   cosine = fma(z, q, all<R>(1.0));
 }
 
-/// Natural logarithm of a positive, normal double lane, within 1 ulp or so (fdlibm, e_log.c):
+/// Natural logarithm of a positive, normal double lane, within about 1 ulp (fdlibm, e_log.c):
 /// x = 2^k (1 + f), s = f / (2 + f), log(1 + f) = f - f^2/2 + s (f^2/2 + R(s^2)).
 template <class R>
 inline R log(R x) {
@@ -292,7 +296,7 @@ inline R log(R x) {
   return fma(k, all<R>(6.93147180369123816490e-01), f - (half_square - low));
 }
 
-/// Exponential of a double lane, |x| < 700, within 1 ulp or so (fdlibm, e_exp.c): x = k ln 2 + r,
+/// Exponential of a double lane, |x| < 700, within about 1 ulp (fdlibm, e_exp.c): x = k ln 2 + r,
 /// |r| <= ln 2 / 2, c = r - r^2 P(r^2), exp x = 2^k (1 + r + r c / (2 - c)).
 template <class R>
 inline R exp(R x) {

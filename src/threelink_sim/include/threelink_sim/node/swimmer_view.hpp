@@ -1,9 +1,9 @@
 /// @file
-/// What rviz shows of a swimmer and its target, drawn from recorded or live messages.
+/// The display of a swimmer and its target in rviz, from recorded or live messages.
 ///
 ///   markers       visualization_msgs/MarkerArray: links (true to scale), centroid, trail (fades
 ///                 with age), target, and a text: step, distance, speed, efficiency
-///   swimmer_path  nav_msgs/Path: the centroid's way since the start of the episode
+///   swimmer_path  nav_msgs/Path: the centroid's path since the start of the episode
 #pragma once
 
 #include <deque>
@@ -21,28 +21,30 @@
 
 namespace threelink_sim {
 
+/// Units and constants of the display.
 struct SwimmerViewConfig {
   Scales scales;
   double dt;     ///< [T0] of a step
   double gamma;  ///< C_parallel / C_perp, for the efficiency
 };
 
+/// Collects states and publishes markers and path.
 class SwimmerView {
  public:
-  /// on_viewer is called, in the node handle's queue, when somebody has subscribed: a draw() is
-  /// due.
+  /// on_viewer is called in the node handle's queue when a viewer has subscribed; the owner should
+  /// then call draw().
   SwimmerView(ros::NodeHandle& node, const SwimmerViewConfig& config,
               const std::function<void()>& on_viewer);
 
-  /// Every state, in its order; a new episode, or a step back in time, clears the view.
+  /// Adds a state, in order. A new episode or an earlier step clears the view.
   void add(const threelink_msgs::SwimmerState& state);
-  /// The point that the swimmer is after [m].
+  /// Sets the target of the swimmer [m].
   void set_target(const Eigen::Vector2d& target) { target_ = target; }
-  /// Publishes what there is; costs nothing without subscribers.
+  /// Publishes the display; does nothing without subscribers.
   void draw();
 
  private:
-  /// Positions over which speed and efficiency are taken: about one period of the stroke.
+  /// Number of positions for the averages of speed and efficiency: about one period of the stroke.
   static constexpr std::size_t kWindow = 71;
   static constexpr std::size_t kTrail = 700;  ///< positions
 

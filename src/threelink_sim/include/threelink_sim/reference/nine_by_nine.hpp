@@ -1,9 +1,9 @@
 /// @file
 /// The paper's 9x9 system H (X', Y', Theta') = q for three links, term by term from its supplement.
 ///
-/// An independent statement of the physics, for tests and for comparison of speed; the product
-/// moves swimmers by the reduced system of the kernels. (The printed velocity constraints write l
-/// theta' without its index i, and call q "nearly" zero where it is exactly zero.)
+/// An independent formulation of the physics for tests and for comparison of speed. The simulation
+/// uses the reduced system of the kernels. (The printed velocity constraints write l theta' without
+/// its index i, and call q "nearly" zero where it is exactly zero.)
 #pragma once
 
 #include <cmath>
