@@ -45,6 +45,8 @@ struct TargetDirection {
   Eigen::Vector2d p;  ///< [1]
   double distance;    ///< in the unit of the arguments, [L]
 };
+/// The direction from `centroid` to `target` [L], fixed frame. `previous` [1] is the result for a
+/// target on the centroid.
 TargetDirection target_direction(const Eigen::Vector2d& centroid, const Eigen::Vector2d& target,
                                  const Eigen::Vector2d& previous);
 

@@ -17,6 +17,7 @@ nlohmann::json stroke_to_json(const Stroke& stroke, const SwimmerState& start);
 /// Reads a stroke. Throws UsageError that names the field and the fault; load_stroke() also names
 /// the file.
 Stroke parse_stroke(const std::string& text);
+/// Reads a stroke from a file, likewise.
 Stroke load_stroke(const std::string& path);
 
 /// `rates` of stroke_to_json(): one row per piece, one column per hinge, 17 significant digits, no

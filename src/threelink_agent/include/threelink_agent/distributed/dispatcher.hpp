@@ -20,7 +20,7 @@ namespace threelink_agent {
 enum class Verdict {
   kAccepted,
   kLate,         ///< of a completed update, or of an earlier process of the learner
-  kDouble,       ///< all for replays of its episodes had already arrived
+  kDouble,       ///< all of its episodes had already arrived
   kGivenBack,    ///< the worker could not play the episodes now
   kStranger,     ///< sent by another node than the worker that it names
   kNotLeased,    ///< this lease was not given to that worker
@@ -32,7 +32,7 @@ enum class Verdict {
 };
 /// Number of verdicts.
 constexpr int kVerdicts = 11;
-const char* to_string(Verdict verdict);  ///< "accepted", "late", "double", ..
+const char* to_string(Verdict verdict);  ///< such as "accepted", "late" or "double"
 /// Whether the batch is refused because of its content or sender.
 constexpr bool is_fault(Verdict verdict) { return verdict > Verdict::kGivenBack; }
 
@@ -114,7 +114,7 @@ class Dispatcher {
   LeaseBook book_;
   Update update_{};
   std::optional<Rollout> rollout_;  ///< empty after take()
-  std::optional<Play> play_;        ///< of its episodes
+  std::optional<Play> play_;        ///< for replays of its episodes
   std::mt19937 lots_{std::random_device()()};
   std::vector<Refusal> refusals_;  ///< to be sent
   std::uint64_t leases_given_ = 0, leases_lost_ = 0, statuses_refused_ = 0;

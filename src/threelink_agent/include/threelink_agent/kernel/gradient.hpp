@@ -52,8 +52,8 @@ struct AdamStep {
   float step_size;        ///< learning rate / (1 - beta_1^t)
   float root_correction;  ///< sqrt(1 - beta_2^t)
 };
-/// Adam's decay rates of the first and the second moment.
-constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
+constexpr double kBeta1 = 0.9,  ///< Adam's decay rate of the first moment
+    kBeta2 = 0.999;             ///< Adam's decay rate of the second moment
 
 /// The kernels of one instruction set.
 struct GradientKernels {

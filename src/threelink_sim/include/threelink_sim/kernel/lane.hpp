@@ -27,7 +27,8 @@
 namespace threelink_sim {
 namespace THREELINK_ISA {
 
-// Bytes in a SIMD register.
+/// @var kRegister
+/// Bytes in a SIMD register.
 #if defined(__AVX512F__)
 constexpr int kRegister = 64;
 #elif defined(__AVX2__)
@@ -50,26 +51,31 @@ typedef float OctPack __attribute__((vector_size(32)));
 typedef QuadPack OctPack;
 #endif
 
+/// Scalar type, integer type of the same size, and number of lanes of a lane type.
 template <class R>
 struct LaneTraits;
+/// A single double.
 template <>
 struct LaneTraits<double> {
   using Scalar = double;
   using Int = long long;
   static constexpr int kWidth = 1;
 };
+/// A single float.
 template <>
 struct LaneTraits<float> {
   using Scalar = float;
   using Int = int;
   static constexpr int kWidth = 1;
 };
+/// A register of doubles.
 template <>
 struct LaneTraits<DoublePack> {
   using Scalar = double;
   using Int = LongPack;
   static constexpr int kWidth = kRegister / 8;
 };
+/// A register of floats.
 template <>
 struct LaneTraits<FloatPack> {
   using Scalar = float;
@@ -77,6 +83,7 @@ struct LaneTraits<FloatPack> {
   static constexpr int kWidth = kRegister / 4;
 };
 #if defined(__AVX2__)
+/// Four floats.
 template <>
 struct LaneTraits<QuadPack> {
   using Scalar = float;
@@ -85,6 +92,7 @@ struct LaneTraits<QuadPack> {
 };
 #endif
 #if defined(__AVX512F__)
+/// Eight floats.
 template <>
 struct LaneTraits<OctPack> {
   using Scalar = float;
@@ -93,6 +101,7 @@ struct LaneTraits<OctPack> {
 };
 #endif
 
+/// Integers of the same size as the lanes of R.
 template <class R>
 using Int = typename LaneTraits<R>::Int;
 
@@ -127,6 +136,7 @@ inline R fma(R a, R b, R c) {
 }
 #endif
 
+/// Square root of each lane.
 inline double sqrt(double x) { return __builtin_sqrt(x); }
 inline float sqrt(float x) { return __builtin_sqrtf(x); }
 #if defined(__AVX512F__)
@@ -188,6 +198,7 @@ inline QuadPack min(QuadPack bound, QuadPack x) { return bound < x ? bound : x; 
 inline QuadPack max(QuadPack bound, QuadPack x) { return bound > x ? bound : x; }
 #endif
 
+/// Loads a lane from unaligned memory.
 template <class R, class Scalar>
 inline R load(const Scalar* from) {
   R value;
@@ -195,6 +206,7 @@ inline R load(const Scalar* from) {
   return value;
 }
 
+/// Stores a lane to unaligned memory.
 template <class R, class Scalar>
 inline void store(R value, Scalar* to) {
   __builtin_memcpy(to, &value, sizeof(R));
@@ -207,6 +219,7 @@ inline Int<R> bits(R value) {
   __builtin_memcpy(&result, &value, sizeof(R));
   return result;
 }
+/// The lane with these bits; the inverse of bits().
 template <class R>
 inline R from_bits(Int<R> value) {
   R result;

@@ -14,7 +14,9 @@
 namespace threelink_sim {
 namespace reference {
 
+/// A 9x9 matrix.
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
+/// Velocities or right-hand side of the system.
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 
 /// The paper's coordinates x_1..x_3, y_1..y_3 [L] of the links' left ends and theta_1..theta_3
@@ -23,6 +25,7 @@ struct LeftEnds {
   Eigen::Vector3d x, y, theta;
 };
 
+/// The links' left ends for x_1, y_1 [L] and theta_1 [rad] of link 1 and the hinge angles [rad].
 inline LeftEnds left_ends(double x_1, double y_1, double theta_1, double alpha_1, double alpha_2) {
   LeftEnds e;
   e.theta << theta_1, theta_1 + alpha_1, theta_1 + alpha_1 + alpha_2;
@@ -35,6 +38,7 @@ inline LeftEnds left_ends(double x_1, double y_1, double theta_1, double alpha_1
   return e;
 }
 
+/// The matrix H.
 inline Matrix9d h_matrix(const LeftEnds& e, double gamma) {
   Matrix9d h = Matrix9d::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -86,6 +90,7 @@ inline double power(const LeftEnds& e, double gamma, const Vector9d& v) {
 /// State of one swimmer for the integration below: x_1, y_1, theta_1, alpha_1, alpha_2 and work.
 using State6 = Eigen::Matrix<double, 6, 1>;
 
+/// Time derivative of the state under constant hinge rates [1/T0].
 inline State6 derivative(const State6& s, double gamma, double rate_1, double rate_2) {
   const LeftEnds e = left_ends(s[0], s[1], s[2], s[3], s[4]);
   const Vector9d v = velocities(e, gamma, rate_1, rate_2);
