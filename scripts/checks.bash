@@ -1,4 +1,4 @@
-# The checks beside the tests: sanitizers, fuzzers, linters. Sourced by ../threelink.
+# The checks beside the tests: sanitizers, fuzzers, linters, API pages. Sourced by ../threelink.
 
 checked=$root/build/sanitize-address  # address and undefined behaviour; the fuzzers share this build
 raced=$root/build/sanitize-thread     # data races
@@ -108,6 +108,13 @@ lint() { # [--brief]
   attend setsid /usr/bin/python3 "$root/scripts/lint.py" "$checked" "$(jobs_at_once)" "$@"
 }
 
+# --- API pages -----------------------------------------------------------------------------------
+
+docs() { # needs neither a build nor the workspace's packages
+  install_missing python3 doxygen
+  attend /usr/bin/python3 "$root/scripts/docs.py" "$root"
+}
+
 # --- All of them ---------------------------------------------------------------------------------
 
 check() { # [--brief]: all parts run, whatever comes of the others
@@ -120,6 +127,7 @@ check() { # [--brief]: all parts run, whatever comes of the others
     tally test --sanitize
     tally fuzz 20
     tally lint
+    tally docs
   fi
   end_tally
 }

@@ -24,6 +24,7 @@ class Arguments(unittest.TestCase):
                 (["nosuch"], "unknown command `nosuch`"),
                 (["build", "x"], "`build` takes no arguments"),
                 (["doctor", "x"], "`doctor` takes no arguments"),
+                (["docs", "x"], "`docs` takes no arguments"),
                 (["lint", "x"], "`lint` takes nothing, or --brief"),
                 (["check", "x"], "`check` takes nothing, or --brief"),
                 (["setup", "x"], "`setup` takes nothing, or rviz"),
@@ -41,7 +42,8 @@ class Arguments(unittest.TestCase):
 
     def test_help_names_every_command(self):
         manual = run(ROOT / "threelink", "help").stdout
-        for command in ("pursuit", "train", "test", "test --cores", "test --sanitize", "fuzz", "lint", "check"):
+        for command in ("pursuit", "train", "test", "test --cores", "test --sanitize", "fuzz", "lint", "docs",
+                        "check"):
             self.assertIn(f"\n  {command}", manual)
 
 
@@ -95,6 +97,70 @@ class Fuzzers(unittest.TestCase):
         self.assertEqual(self.fuzz().returncode, 1)
 
 
+class ApiPages(unittest.TestCase):
+    """scripts/docs.py with a program that pretends to be Doxygen, and its filter."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name).resolve()
+        self.header = self.root / "src" / "package" / "include" / "package" / "a.hpp"
+        self.header.parent.mkdir(parents=True)
+        self.header.write_text("/// @file\n/// A header.\n", encoding="utf-8")
+
+    def docs(self, *warnings, status=0):
+        """warnings: (file, text)."""
+        doxygen = self.root / "bin" / "doxygen"
+        doxygen.parent.mkdir(exist_ok=True)
+        log = "".join(f"{file}:7: warning: {text}\n" for file, text in warnings)
+        doxygen.write_text(f"#!/bin/sh\ncat >build/docs/warnings.log <<'END'\n{log}END\nexit {status}\n",
+                           encoding="utf-8")
+        doxygen.chmod(0o755)
+        return run("env", f"PATH={doxygen.parent}:/usr/bin:/bin", "/usr/bin/python3", ROOT / "scripts" / "docs.py",
+                   self.root)
+
+    def test_without_a_warning_all_headers_pass(self):
+        ended = self.docs()
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertEqual(ended.stdout.splitlines()[-1], "1 passed, 0 failed")
+
+    def test_a_warning_fails_and_is_shown(self):
+        for text in ("Compound package::A is not documented.",
+                     "Member f(int x) (function) of namespace package is not documented.",
+                     "unexpected command endcode"):
+            with self.subTest(text):
+                ended = self.docs((self.header, text))
+                self.assertEqual(ended.returncode, 1)
+                self.assertIn(f"{self.header}:7: warning: {text}", ended.stdout)
+                self.assertEqual(ended.stdout.splitlines()[-1], "0 passed, 1 failed")
+
+    def test_a_member_of_a_class_needs_no_comment(self):
+        ended = self.docs((self.header, "Member size() const (function) of class package::A is not documented."))
+        self.assertEqual(ended.returncode, 0, ended.stdout)
+
+    def test_a_header_without_a_file_comment_is_skipped_and_named(self):
+        other = self.header.with_name("b.hpp")
+        other.write_text("// B header.\n", encoding="utf-8")
+        ended = self.docs((other, "Compound package::B is not documented."))
+        self.assertEqual(ended.returncode, 0, ended.stdout)
+        self.assertIn("skipped src/package/include/package/b.hpp", ended.stdout)
+        self.assertEqual(ended.stdout.splitlines()[-1], "1 passed, 0 failed, 1 skipped")
+
+    def test_a_doxygen_that_fails_is_a_failure(self):
+        ended = self.docs(status=3)
+        self.assertEqual(ended.returncode, 1)
+        self.assertIn("doxygen ended with status 3", ended.stdout)
+
+    def test_the_filter_keeps_the_layout_of_equations_and_escapes_markup(self):
+        self.header.write_text("/// @file\n/// For a < b, with c:\n///\n///   a = <b> @c\n///     + 1\n///\n"
+                               "/// The end.\nint x;  ///< in `<u>` <v>\n", encoding="utf-8")
+        ended = run(ROOT / "scripts" / "doxygen_filter.py", self.header)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertEqual(ended.stdout.splitlines(), [
+            "/// @file", "/// For a \\< b, with c:", "///", "/// @code{.unparsed}", "///   a = <b> @c",
+            "///     + 1", "/// @endcode", "///", "/// The end.", "int x;  ///< in `<u>` \\<v\\>"])
+
+
 class Sum(unittest.TestCase):
     """The last line of `check`: the sum of its parts."""
 
@@ -103,7 +169,7 @@ class Sum(unittest.TestCase):
             root = pathlib.Path(folder)
             parts = root / "threelink"
             parts.write_text(f"#!/bin/bash\ncase $1 in test) {test} ;; lint) {lint} ;; "
-                             "fuzz) echo 3 passed, 0 failed ;; esac\n", encoding="utf-8")
+                             "fuzz | docs) echo 3 passed, 0 failed ;; esac\n", encoding="utf-8")
             parts.chmod(0o755)
             return run("bash", "-c", "attend() { \"$@\"; }; root=$1; ros_prefix=; "
                        f"set -euo pipefail; source {ROOT}/scripts/checks.bash; check \"${{@:2}}\"", "bash", root,
@@ -112,7 +178,7 @@ class Sum(unittest.TestCase):
     def test_adds_up(self):
         ended = self.check("echo 10 passed, 0 failed, 2 skipped", "echo 4 passed, 0 failed")
         self.assertEqual(ended.returncode, 0, ended.stderr)
-        self.assertEqual(ended.stdout.splitlines()[-1], "37 passed, 0 failed, 6 skipped")
+        self.assertEqual(ended.stdout.splitlines()[-1], "40 passed, 0 failed, 6 skipped")
 
     def test_the_brief_one_leaves_out_fuzzers(self):
         ended = self.check("echo 10 passed, 0 failed, 2 skipped", "echo 4 passed, 0 failed", "--brief")
@@ -122,12 +188,12 @@ class Sum(unittest.TestCase):
     def test_a_part_that_fails_fails_all_and_the_others_run(self):
         ended = self.check("echo 9 passed, 1 failed; exit 1", "echo 4 passed, 0 failed")
         self.assertEqual(ended.returncode, 1)
-        self.assertEqual(ended.stdout.splitlines()[-1], "34 passed, 3 failed")
+        self.assertEqual(ended.stdout.splitlines()[-1], "37 passed, 3 failed")
 
     def test_a_part_that_ends_without_its_line_has_failed(self):
         ended = self.check("echo 10 passed, 0 failed", "echo nothing to install from; exit 1")
         self.assertEqual(ended.returncode, 1)
-        self.assertEqual(ended.stdout.splitlines()[-1], "33 passed, 1 failed")
+        self.assertEqual(ended.stdout.splitlines()[-1], "36 passed, 1 failed")
         self.assertIn("FAILED threelink lint: status 1", ended.stdout)
 
     def test_a_status_counts_even_if_the_line_says_that_all_passed(self):

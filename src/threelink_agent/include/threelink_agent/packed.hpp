@@ -1,4 +1,5 @@
-// Layers in the layout that the kernels read; see kernel/network.hpp.
+/// @file
+/// Conversion of layers to the memory layout of the kernels (kernel/network.hpp).
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,7 @@
 
 namespace threelink_agent {
 
-// Floats in whole lines of 64 bytes, aligned to them; zero at first.
+/// Array of floats, aligned to 64 bytes and padded to a multiple of 64 bytes; initially zero.
 class AlignedFloats {
  public:
   AlignedFloats() = default;
@@ -28,14 +29,15 @@ class AlignedFloats {
   std::vector<Line> lines_;
 };
 
-// Where each layer lies, one behind the other.
+/// Layout of the layers, one after the other.
 std::vector<PackedLayer> packed_layout(const std::vector<Linear>& layers);
 
-// Floats that they take in all.
+/// Total number of floats of a layout.
 std::size_t packed_size(const std::vector<PackedLayer>& layout);
 
-// Into `values` of packed_size(layout); the padding is left alone.
+/// Copies the layers into `values` (packed_size(layout)); the padding is not written.
 void pack(const std::vector<Linear>& layers, const std::vector<PackedLayer>& layout, float* values);
+/// The layers in `values` (packed_size(layout)); the inverse of pack().
 std::vector<Linear> unpack(const std::vector<PackedLayer>& layout, const float* values);
 
 }  // namespace threelink_agent

@@ -1,22 +1,25 @@
-// The two symmetries of the swimmer, applied to many observations and rates at once.
-//
-// Observation of N links, component k of sample i at [k * stride + i]:
-// c = cos theta_d, s = sin theta_d, alpha_1 .. alpha_{N-1}; rates likewise, r_1 .. r_{N-1}. Those
-// of "target" go on with w c, w s, which turn as c and s do, and the logarithm of the distance,
-// which stays.
-//
-//   mirror    reflection across the target's direction:
-//             (c, s, alpha_j) -> (c, -s, -alpha_j),               r_j -> -r_j
-//   reversal  calling the last link the first (N odd, so that the heading link is the middle one):
-//             (c, s, alpha_j) -> (-c, -s, -alpha_{N-j}),          r_j -> -r_{N-j}
-//
-// Either maps a motion to a motion with the same rewards. Both are their own inverse.
+/// @file
+/// The two symmetries of the swimmer, applied to many observations and rates at once.
+///
+/// The observation of N links has component k of sample i at [k * stride + i]: c = cos theta_d, s =
+/// sin theta_d, alpha_1 .. alpha_{N-1}; rates have the same layout, r_1 .. r_{N-1}. The observation
+/// "target" continues with w c and w s, which transform like c and s, and the logarithm of the
+/// distance, which is invariant.
+///
+///
+///   mirror    reflection across the target's direction:
+///             (c, s, alpha_j) -> (c, -s, -alpha_j),               r_j -> -r_j
+///   reversal  calling the last link the first (N odd, so that the heading link is the middle one):
+///             (c, s, alpha_j) -> (-c, -s, -alpha_{N-j}),          r_j -> -r_{N-j}
+///
+/// Each maps a motion to a motion with the same rewards, and is its own inverse.
 #pragma once
 
 #include <cstddef>
 
 namespace threelink_agent {
 
+/// Replaces observation i by its mirror image. size: components of an observation; hinges: N-1.
 template <class Real>
 void mirror_observation(Real* observation, int size, int hinges, std::size_t stride,
                         std::size_t i) {
@@ -25,11 +28,13 @@ void mirror_observation(Real* observation, int size, int hinges, std::size_t str
     observation[(3 + hinges) * stride + i] = -observation[(3 + hinges) * stride + i];
 }
 
+/// Replaces rates i by their mirror image.
 template <class Real>
 void mirror_rates(Real* rates, int hinges, std::size_t stride, std::size_t i) {
   for (int j = 0; j < hinges; ++j) rates[j * stride + i] = -rates[j * stride + i];
 }
 
+/// Replaces rates i by those of the reversed swimmer.
 template <class Real>
 void reverse_rates(Real* rates, int hinges, std::size_t stride, std::size_t i) {
   for (int j = 0, last = hinges - 1; j <= last; ++j, --last) {
@@ -39,6 +44,8 @@ void reverse_rates(Real* rates, int hinges, std::size_t stride, std::size_t i) {
   }
 }
 
+/// Replaces observation i by that of the reversed swimmer. size: components of an observation;
+/// hinges: N-1.
 template <class Real>
 void reverse_observation(Real* observation, int size, int hinges, std::size_t stride,
                          std::size_t i) {

@@ -1,4 +1,5 @@
-// Numbers on the command line of a tool, for CLI11: refusals that say option, value and bound.
+/// @file
+/// Validators of numbers on a command line for CLI11. Their messages name option, value and bound.
 #pragma once
 
 #include <cerrno>
@@ -16,7 +17,8 @@
 
 namespace threelink_sim {
 
-// A whole number from low to high, in decimal. What CLI11 would read as octal, 010, is none.
+/// A whole number from low to high in decimal. Octal notation such as 010, which CLI11 would read,
+/// is refused.
 template <class Integer>
 CLI::Validator whole_number(Integer low, Integer high = std::numeric_limits<Integer>::max()) {
   static_assert(std::is_integral_v<Integer>);
@@ -40,7 +42,7 @@ CLI::Validator whole_number(Integer low, Integer high = std::numeric_limits<Inte
       bounds);
 }
 
-// A number, from low to high.
+/// A number from low to high.
 inline CLI::Validator real_number(double low = -std::numeric_limits<double>::max(),
                                   double high = std::numeric_limits<double>::max()) {
   const bool bounded = high < std::numeric_limits<double>::max();
@@ -56,8 +58,7 @@ inline CLI::Validator real_number(double low = -std::numeric_limits<double>::max
       bounds);
 }
 
-// Parses the command line; false if there is nothing more to do, since help was asked for. Throws
-// UsageError.
+/// Parses the command line. Returns false if only help was requested. Throws UsageError.
 inline bool parse_command_line(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);

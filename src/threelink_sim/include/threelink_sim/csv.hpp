@@ -1,4 +1,5 @@
-// Numbers in rows and columns, as text.
+/// @file
+/// Tables of numbers as text.
 #pragma once
 
 #include <cstddef>
@@ -11,24 +12,28 @@
 
 namespace threelink_sim {
 
+/// Shape of a table.
 struct CsvLimits {
-  std::size_t columns = 1;  // of every row
+  std::size_t columns = 1;  ///< number of columns of every row
   std::size_t rows = 10'000;
-  bool skip_blank_lines = false;  // wherever they are; those at the end never count
+  bool skip_blank_lines =
+      false;  ///< skip blank lines everywhere; those at the end are always skipped
 };
 
+/// One row with its position in the file.
 struct CsvRow {
-  std::size_t line;  // counted from 1
+  std::size_t line;  ///< counted from 1
   std::vector<double> values;
 };
 
-// The decimal number that is all of the text but for blanks around it; nothing if there is none.
-// The smallest ones (1e-320) are numbers, too; those that are too large are infinite.
+/// The decimal number that the text consists of, apart from surrounding blanks; nothing if it is
+/// not a number. Subnormal numbers such as 1e-320 are accepted; numbers that are too large become
+/// infinite.
 std::optional<double> decimal_number(std::string_view text);
 
-// Rows of numbers with commas between them, without a header. A byte order mark at the start and
-// ends of lines of either kind are taken. Throws FormatError that begins with
-// "SOURCE:LINE: column N: "; `source` is the name of the file.
+/// Parses rows of numbers, separated by commas, without a header. A byte order mark at the start
+/// and both kinds of line ends are accepted. Throws FormatError that begins with "SOURCE:LINE:
+/// column N: "; `source` is the name of the file.
 std::vector<CsvRow> parse_csv(const std::string& text, const std::string& source,
                               const CsvLimits& limits);
 

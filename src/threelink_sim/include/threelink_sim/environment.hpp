@@ -1,7 +1,9 @@
-// The reinforcement-learning problem on top of the swimmer: observation, reward, start, time limit.
-//
-// A vector of environments in lock-step: lane i is one episode. With one lane it is what the
-// simulator node runs; both are one implementation and agree to the bit.
+/// @file
+/// The reinforcement-learning problem on top of the swimmer: observation, reward, start, time
+/// limit.
+///
+/// A vector of environments in lock-step: lane i is one episode. The simulator node runs it with
+/// one lane; a single episode and many have one implementation and agree to the bit.
 #pragma once
 
 #include <cstdint>
@@ -18,6 +20,7 @@
 
 namespace threelink_sim {
 
+/// The swimmer, its reward and its world.
 struct EnvironmentConfig {
   Model model;
   double dt = 0.1;
@@ -25,16 +28,15 @@ struct EnvironmentConfig {
   double c = 0.0;
   std::uint32_t steps = 200;
   ObservationKind observation = ObservationKind::kDirection;
-  std::shared_ptr<const World> world;  // null: still water, as an empty world
+  std::shared_ptr<const World> world;  ///< null: still water, as an empty world
 
-  // The swimmer and its action step.
+  /// Fields of the swimmer and its action step.
   template <class Self, class Visit>
   static void swimmer_fields(Self& self, Visit&& visit) {
     Model::fields(self.model, visit);
     visit("dt", self.dt, Range<double>{1e-3, 1}, "[T0] for which an action is held");
   }
-  // The reward of a step, b dx.p - c W; its weights are called `reward_b` and `reward_c` where they
-  // stand among others.
+  /// The reward of a step, b dx.p - c W; `b` and `c` are the names of its weights.
   template <class Self, class Visit>
   static void reward_fields(Self& self, Visit&& visit, const char* b = "b", const char* c = "c") {
     visit(b, self.b, Range<double>{1e-6, 1e6}, "weight of the progress");
@@ -48,26 +50,27 @@ struct EnvironmentConfig {
           "N_s, actions in an episode: the time limit");
   }
 
-  // Throws std::invalid_argument that names field, value and bound.
+  /// Throws std::invalid_argument that names field, value and bound.
   void validate() const;
 };
 
-// In what the swimmer, or its action step, is not the wanted one: "gamma = 0.5 instead of 0.9, dt =
-// 0.1 instead of 0.2"; empty if it is. A policy that was trained for the one may fail with the
-// other.
+/// The difference between two swimmers or their action steps: "gamma = 0.5 instead of 0.9, dt = 0.1
+/// instead of 0.2"; empty if they are equal. A policy that was trained for one may fail with the
+/// other.
 std::string swimmer_difference(const EnvironmentConfig& found, const EnvironmentConfig& wanted);
 
-// A state, and what the step that led to it did.
+/// A state and the results of the step that led to it.
 struct StepRecord {
   SwimmerState state;
-  HingeVector hinge_rates;  // [1/T0] (N-1) held in that step, after the joint limit cut them
-  double power = 0;   // [C_perp L^3/T0^2] rate of the hinges' work for these rates in this state
-  double work = 0;    // [C_perp L^3/T0] of the hinges in that step; a flow may do some of it
-  double reward = 0;  // [1] b dx.p - c max(W, 0) of that step
-  double dissipation = 0;  // [C_perp L^3/T0] of that step; the work, in still water
-  ContactRecord contact;   // with obstacles
+  HingeVector hinge_rates;  ///< [1/T0] (N-1) applied in that step, after the joint limit
+  double power = 0;   ///< [C_perp L^3/T0^2] rate of the hinges' work for these rates in this state
+  double work = 0;    ///< [C_perp L^3/T0] of the hinges in that step; a flow may do some of it
+  double reward = 0;  ///< [1] b dx.p - c max(W, 0) of that step
+  double dissipation = 0;  ///< [C_perp L^3/T0] of that step; the work, in still water
+  ContactRecord contact;   ///< with obstacles
 };
 
+/// One episode in each lane.
 class Environment {
  public:
   Environment(const EnvironmentConfig& config, std::size_t lanes,
@@ -80,60 +83,62 @@ class Environment {
   }
   const Batch& batch() const { return batch_; }
 
-  // Starts lane i anew, with a target infinitely far away towards p = (1, 0) until there is
-  // another. The key is of the world's noise and time. Throws std::invalid_argument if the world
-  // has no room for that state.
+  /// Starts an episode in lane i, with a target at infinity in the direction p = (1, 0) until
+  /// another is set. The key is of the world's noise and time. Throws std::invalid_argument if the
+  /// state overlaps an obstacle of the world.
   void reset(std::size_t i, const SwimmerState& state, const EpisodeKey& key = {});
 
-  // Goes on with an episode in lane i from the state of that step. Throws std::invalid_argument for
-  // a state that is none.
+  /// Continues an episode in lane i from the state of that step. Throws std::invalid_argument for
+  /// an invalid state.
   void resume(std::size_t i, const SwimmerState& state, const EpisodeKey& key, std::uint32_t step);
 
-  // The target, as seen from where lane i is now; defines the observation and the next step's
-  // reward: a point [L], or [1] the unit vector p to one infinitely far away.
+  /// Sets the target of lane i, relative to its current position, for the observation and the next
+  /// step's reward: a point [L], fixed frame.
   void aim(std::size_t i, const Eigen::Vector2d& target);
+  /// Sets a target at infinity in the direction of the unit vector p [1].
   void set_direction(std::size_t i, const Eigen::Vector2d& p);
-  Eigen::Vector2d direction(std::size_t i) const { return {px_[i], py_[i]}; }               // p
-  Eigen::Vector2d centroid(std::size_t i) const { return {batch_.x()[i], batch_.y()[i]}; }  // [L]
-  double distance(std::size_t i) const { return distance_[i]; }  // [L] when it was set
+  Eigen::Vector2d direction(std::size_t i) const { return {px_[i], py_[i]}; }               ///< p
+  Eigen::Vector2d centroid(std::size_t i) const { return {batch_.x()[i], batch_.y()[i]}; }  ///< [L]
+  double distance(std::size_t i) const { return distance_[i]; }  ///< [L] when it was set
 
-  // The observation of every lane, component k of lane i at out[k * lanes() + i], with
-  //   cos theta_d = c p_x + s p_y,  sin theta_d = s p_x - c p_y,  (c, s) of the heading.
+  /// The observation of every lane, component k of lane i at out[k * lanes() + i], with
+  ///   cos theta_d = c p_x + s p_y,  sin theta_d = s p_x - c p_y,  (c, s) of the heading.
   void observe(double* out) const;
 
-  // Rates wanted, hinge j of lane i at [j * lanes() + i], [1/T0]; clipped to [-1, 1] and at the
-  // joint limit. Must be finite. rewards()[i] is then b dx.p - c max(W, 0) of the step: work that
-  // the flow does on the hinges is not paid for.
+  /// Takes one action step. rates [1/T0], hinge j of lane i at [j * lanes() + i], must be finite;
+  /// they are clipped to [-1, 1] and at the joint limit. rewards()[i] is then b dx.p - c max(W, 0)
+  /// of the step: work that the flow does on the hinges is not rewarded.
   void step(const double* rates);
   const double* rewards() const { return reward_.data(); }
-  double effort(std::size_t i) const;  // [C_perp L^3/T0] max(W, 0) of lane i
+  double effort(std::size_t i) const;  ///< [C_perp L^3/T0] max(W, 0) of lane i
 
-  // Whether lane i has left the grid of the world's flow, which ends its episode.
+  /// Whether lane i has left the grid of the world's flow, which ends its episode.
   bool left_grid(std::size_t i) const { return world_ && world_->left_grid(i); }
 
-  // [L/T0] of the world's flow at the centroid of lane i.
+  /// [L/T0] of the world's flow at the centroid of lane i.
   Eigen::Vector2d flow(std::size_t i) const;
-  double time(std::size_t i) const { return world_ ? world_->time(i, config_.dt) : 0; }  // [T0]
-  // Whether there is anything around the swimmer but still water.
+  double time(std::size_t i) const { return world_ ? world_->time(i, config_.dt) : 0; }  ///< [T0]
+  /// Whether there is anything around the swimmer but still water.
   bool has_world() const { return world_.has_value(); }
 
-  // Of lane i; after reset() no step has led to its state, and rates, power, work and reward are 0.
+  /// The record of lane i. After reset() no step has led to its state; rates, power, work and
+  /// reward are 0.
   StepRecord record(std::size_t i) const;
 
  private:
   EnvironmentConfig config_;
   int substeps_;
   Batch batch_;
-  std::optional<WorldStepper> world_;  // none for still water
+  std::optional<WorldStepper> world_;  ///< none for still water
   std::vector<double> px_, py_, distance_, reward_;
   mutable std::vector<double> sine_, cosine_, clipped_;
 };
 
-// A start with all orientations free: centroid at the origin, heading uniform in (-pi, pi), hinge
-// angles uniform within the joint limit; keyed by (seed, episode).
+/// A random start: centroid at the origin, heading uniform in (-pi, pi), hinge
+/// angles uniform within the joint limit; keyed by (seed, episode).
 SwimmerState random_start(const Model& model, std::uint64_t seed, std::uint32_t episode);
-// The same among obstacles: drawn again, up to a thousand times, while it touches one. Throws
-// std::invalid_argument if none of them is free.
+/// The same among obstacles: drawn again, up to a thousand times, while it touches one. Throws
+/// std::invalid_argument if none of them is free.
 SwimmerState random_start(const EnvironmentConfig& config, std::uint64_t seed,
                           std::uint32_t episode);
 

@@ -1,17 +1,17 @@
-// One list of the fields of a struct: their names, bounds and meanings. From it follow how the
-// struct is read, checked, written and compared.
-//
-//   struct Swing {
-//     double period = 500;
-//     template <class Self, class Visit>
-//     static void fields(Self& self, Visit&& visit) {
-//       visit("period", self.period, Range<double>{1, 1e6}, "[T0] of the way to and fro");
-//     }
-//   };
-//
-// A field is a double, a whole number or a list of them (with the range of each), a bool, text, or
-// an enumeration for which words_of() tells the words. Sections are parts of the name:
-// "update.clip".
+/// @file
+/// One list of the fields of a struct: their names, bounds and meanings. Reading, checking, writing
+/// and comparing of the struct follow from this list.
+///
+///   struct Swing {
+///     double period = 500;
+///     template <class Self, class Visit>
+///     static void fields(Self& self, Visit&& visit) {
+///       visit("period", self.period, Range<double>{1, 1e6}, "[T0] of the way to and fro");
+///     }
+///   };
+///
+/// A field is a double, a whole number or a list of them (with the range of each), a bool, text, or
+/// an enumeration whose words words_of() returns. Sections are parts of the name: "update.clip".
 #pragma once
 
 #include <algorithm>
@@ -34,7 +34,7 @@
 
 namespace threelink_sim {
 
-// Visits the fields of a part of the struct, with `section` and a dot before their names.
+/// Visits the fields of a part of the struct, with `section` and a dot before their names.
 template <class Part, class Visit>
 void visit_section(const std::string& section, Part& part, Visit& visit) {
   std::remove_const_t<Part>::fields(part,
@@ -45,8 +45,9 @@ void visit_section(const std::string& section, Part& part, Visit& visit) {
 
 // --- Reading -------------------------------------------------------------------------------------
 
-// Reads each field by a getter of the map. A field that the map lacks keeps its value, unless the
-// map wants all of them (ParameterMap::Style::kFile) or the number is NaN, which stands for none.
+/// Reads each field by a getter of the map. A field that the map lacks keeps its value, unless the
+/// map wants all of them (ParameterMap::Style::kFile) or the number is NaN, which stands for "no
+/// default".
 class FieldReader {
  public:
   explicit FieldReader(ParameterMap& map) : map_(map) {}
@@ -98,7 +99,7 @@ class FieldReader {
     if (!has_default(value)) return {};
     return value;
   }
-  // NaN stands for none.
+  /// NaN stands for "no default".
   template <class Value>
   bool has_default(const Value& value) const {
     if constexpr (std::is_floating_point_v<Value>)
@@ -111,8 +112,8 @@ class FieldReader {
 
 // --- Checking ------------------------------------------------------------------------------------
 
-// Throws Error, made of what is wrong and what a peer may be told of it, for a number that is out
-// of its range.
+/// Throws Error, constructed from the full text and the text for peers, for a number that is out of
+/// its range.
 template <class Error>
 class FieldChecker {
  public:
@@ -136,6 +137,7 @@ class FieldChecker {
                   const char* /*meaning*/) const {}
 };
 
+/// Throws Error that names field, value and bound if a field of the struct is out of its range.
 template <class Error = std::invalid_argument, class Struct>
 void check_fields(const Struct& checked) {
   Struct::fields(checked, FieldChecker<Error>());
@@ -143,12 +145,17 @@ void check_fields(const Struct& checked) {
 
 // --- Writing and comparing -----------------------------------------------------------------------
 
+/// A value as YAML that is read back to the same bits.
 inline std::string field_yaml(double value) { return yaml_number(value); }
+/// "true" or "false".
 inline std::string field_yaml(bool value) { return value ? "true" : "false"; }
+/// Text in quotes if YAML needs them.
 inline std::string field_yaml(const std::string& value) { return yaml_text(value); }
+/// A list in brackets.
 inline std::string field_yaml(const std::vector<int>& values) {
   return fmt::format("[{}]", fmt::join(values, ", "));
 }
+/// A whole number in decimal, or the word of an enumeration.
 template <class Value, class = std::enable_if_t<std::is_integral_v<Value> || std::is_enum_v<Value>>>
 std::string field_yaml(Value value) {
   if constexpr (std::is_enum_v<Value>)
@@ -157,9 +164,10 @@ std::string field_yaml(Value value) {
     return fmt::format("{}", value);
 }
 
-// Every field's name, with its value as YAML.
+/// The name of every field with its value as YAML.
 using FieldTexts = std::vector<std::pair<std::string, std::string>>;
 
+/// Names and values of all fields of a struct.
 template <class Struct>
 FieldTexts field_texts(const Struct& written) {
   FieldTexts texts;
@@ -169,8 +177,8 @@ FieldTexts field_texts(const Struct& written) {
   return texts;
 }
 
-// A line for each field, for the help of a program: "  ~gamma [0.5]  drag ratio .., in [0.001,
-// 10]".
+/// A line for each field, for the help of a program: "  ~gamma [0.5]  drag ratio .., in [0.001,
+/// 10]".
 template <class Struct>
 std::string field_help(const Struct& defaults, const std::string& prefix) {
   std::string help;
@@ -200,13 +208,16 @@ std::string field_help(const Struct& defaults, const std::string& prefix) {
   return help;
 }
 
-// Lines of YAML that read back to the same values, to the bit; sections are maps, one level deep.
+/// Lines of YAML that are read back to the same values to the bit. Sections become maps, one level
+/// deep.
 std::string to_yaml(const FieldTexts& texts);
 
-// The first field in which two lists differ, with both values; "nothing" where there is none.
+/// The first field in which two lists differ, with both values; "nothing" stands for a missing
+/// field.
 struct FieldDifference {
   std::string name, a, b;
 };
+/// Returns nothing if the lists are equal.
 std::optional<FieldDifference> first_difference(const FieldTexts& a, const FieldTexts& b);
 
 }  // namespace threelink_sim

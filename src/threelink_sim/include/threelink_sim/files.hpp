@@ -1,4 +1,5 @@
-// Whole files in, whole files out.
+/// @file
+/// Reading and writing of whole files.
 #pragma once
 
 #include <cstddef>
@@ -8,19 +9,19 @@
 
 namespace threelink_sim {
 
-// A file that cannot be read or written; what() names path, reason and, where it matters, bytes. It
-// never quotes what the file holds.
+/// Error for a file that cannot be read or written. what() names path, reason and, if relevant, the
+/// number of bytes; it never quotes the content.
 class FileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// A file descriptor, or -1 for none; closes it.
+/// Owns a file descriptor, or -1 for none, and closes it.
 class Descriptor {
  public:
   Descriptor() = default;
   explicit Descriptor(int value) : value_(value) {}
-  // Opens with O_CLOEXEC. errno says why there is none.
+  /// Opens a file with O_CLOEXEC. On failure the descriptor is -1 and errno gives the reason.
   Descriptor(const std::string& path, int flags, unsigned mode = 0666);
   ~Descriptor() { reset(); }
   Descriptor(Descriptor&& other) noexcept : value_(other.release()) {}
@@ -42,24 +43,23 @@ class Descriptor {
   int value_ = -1;
 };
 
-// The bytes of a regular file of at most max_bytes; throws FileError. Neither waits for whoever
-// writes a pipe nor reads from a device.
+/// Reads a regular file of at most max_bytes. Throws FileError, also for a pipe or a device.
 std::string read_file(const std::string& path, std::size_t max_bytes);
 
-// The same for a file that the user has named; throws UsageError.
+/// The same for a file that the user named. Throws UsageError.
 std::string read_input(const std::string& path, std::size_t max_bytes);
 
-// Puts bytes at path so that a crash or power cut at any moment leaves the old file or the new one:
-// writes a temporary file in the same folder, syncs it, renames it, syncs the folder. A failure
-// leaves the old file as it was; throws FileError. A new file keeps the permissions of the one that
-// it replaces.
+/// Writes a file atomically: after a crash or power cut at any moment there is either the old file
+/// or the new one. Writes a temporary file in the same folder, syncs it, renames it, and syncs the
+/// folder. Throws FileError; the old file then remains. A new file keeps the permissions of the
+/// file that it replaces.
 void write_file(const std::string& path, std::string_view bytes);
 
-// Whether a name is one that write_file() gives to a temporary file, which a crash leaves behind:
-// FILE.DIGITS.tmp.
+/// Whether a name has the form FILE.DIGITS.tmp that write_file() gives to temporary files, which a
+/// crash can leave behind.
 bool is_temporary_name(const std::string& name);
 
-// All bytes; false if that fails, and errno says why.
+/// Writes all bytes. On failure returns false, and errno gives the reason.
 bool write_all(int descriptor, std::string_view bytes);
 
 }  // namespace threelink_sim

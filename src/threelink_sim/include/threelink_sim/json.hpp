@@ -1,4 +1,5 @@
-// JSON of others, read so that no text can do harm.
+/// @file
+/// A JSON reader that is safe for untrusted text.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +11,17 @@
 
 namespace threelink_sim {
 
-// Objects and lists within each other. What is deeper would let the library's own functions run
-// out of stack.
+/// Largest nesting of objects and lists. Deeper nesting would overflow the stack in the library's
+/// functions.
 constexpr std::size_t kMaxJsonDepth = 32;
 
-// One JSON text (RFC 8259), as bytes of UTF-8. Throws FormatError, as soon as it is met, for text
-// that is not JSON ("is not JSON: ..." with line and column), for a byte order mark, for more
-// than max_values values, for more depth than kMaxJsonDepth and for an object that has a key twice.
+/// Parses one JSON text (RFC 8259) in UTF-8. Throws FormatError at the first fault: for text that
+/// is not JSON ("is not JSON: ..." with line and column), for a byte order mark, for more than
+/// max_values values, for a nesting deeper than kMaxJsonDepth, and for an object with a repeated
+/// key.
 nlohmann::json parse_json(const std::string& text, std::size_t max_values = 100'000);
 
-// A value in a message: on one line, about 80 bytes at most, of any depth.
+/// A value for a message: one line of at most about 80 bytes.
 std::string json_excerpt(const nlohmann::json& value);
 
 }  // namespace threelink_sim

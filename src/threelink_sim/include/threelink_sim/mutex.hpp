@@ -1,6 +1,7 @@
-// A mutex that clang can follow: -Wthread-safety refuses code that touches a member marked
-// GUARDED_BY(mutex_), or calls a function marked REQUIRES(mutex_), without holding it. Other
-// compilers see a std::mutex. `./threelink lint` checks all nodes so.
+/// @file
+/// A mutex for clang's thread safety analysis: -Wthread-safety rejects code that accesses a member
+/// marked GUARDED_BY(mutex_), or calls a function marked REQUIRES(mutex_), without holding the
+/// mutex. For other compilers it is a std::mutex. `./threelink lint` checks all nodes in this way.
 #pragma once
 
 #include <mutex>
@@ -16,6 +17,7 @@
 
 namespace threelink_sim {
 
+/// A std::mutex with annotations.
 class THREELINK_THREAD_SAFETY(capability("mutex")) Mutex {
  public:
   void lock() THREELINK_THREAD_SAFETY(acquire_capability()) { mutex_.lock(); }
@@ -25,7 +27,7 @@ class THREELINK_THREAD_SAFETY(capability("mutex")) Mutex {
   std::mutex mutex_;
 };
 
-// Holds a mutex as long as it lives; a std::condition_variable_any can wait with it.
+/// Holds a mutex during its lifetime; a std::condition_variable_any can wait with it.
 class THREELINK_THREAD_SAFETY(scoped_lockable) Lock {
  public:
   explicit Lock(Mutex& mutex) THREELINK_THREAD_SAFETY(acquire_capability(mutex)) : mutex_(mutex) {
@@ -35,7 +37,7 @@ class THREELINK_THREAD_SAFETY(scoped_lockable) Lock {
   Lock(const Lock&) = delete;
   Lock& operator=(const Lock&) = delete;
 
-  // For the condition variable.
+  /// For the condition variable.
   void lock() THREELINK_THREAD_SAFETY(acquire_capability()) { mutex_.lock(); }
   void unlock() THREELINK_THREAD_SAFETY(release_capability()) { mutex_.unlock(); }
 

@@ -1,4 +1,5 @@
-// For messages about a name that is not known: the known one that was probably meant.
+/// @file
+/// The nearest known name, for messages about an unknown name.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 
 namespace threelink_sim {
 
-// Levenshtein distance: insertions, deletions and substitutions that turn a into b.
+/// Levenshtein distance: insertions, deletions and substitutions that turn a into b.
 inline std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
@@ -23,7 +24,8 @@ inline std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-// How far a name is from a known one, "section.key", of which the section may be missing or wrong.
+/// Distance of a name from a known one of the form "section.key", whose section may be missing or
+/// wrong.
 inline std::size_t name_distance(const std::string& name, const std::string& known) {
   const auto key = [](const std::string& text) { return text.substr(text.rfind('.') + 1); };
   const bool has_section = name.find('.') != std::string::npos;
@@ -31,7 +33,7 @@ inline std::size_t name_distance(const std::string& name, const std::string& kno
                   edit_distance(key(name), key(known)) + (has_section ? 3 : 0));
 }
 
-// The nearest of `known`, the first of equals; empty if there is none.
+/// The nearest of the known names, the first of equals; empty if there are none.
 inline std::string nearest_name(const std::string& given, const std::vector<std::string>& known) {
   constexpr std::size_t kLongest = 100;  // no known name is longer, and time grows with the length
   const std::string name = given.substr(0, kLongest);

@@ -1,14 +1,17 @@
-// What the agent is shown of the swimmer and its target.
-//
-// theta_d = theta_h - theta_T is the angle of the heading link against the direction to the target,
-// p = (cos theta_T, sin theta_T), and r the distance to it. N links:
-//
-//   direction  cos theta_d, sin theta_d, alpha_1 .. alpha_{N-1}         (the paper's)
-//   target     the same, then w cos theta_d, w sin theta_d, (ln r + 4) / 2
-//              with r clipped to [kNearest, kFarthest] and w = tanh(r / 0.1)
-//
-// Far away "target" says no more than "direction"; near by it says how near, and the direction,
-// which then swings within a stroke, loses its weight.
+/// @file
+/// The observation of the agent.
+///
+///
+/// theta_d = theta_h - theta_T is the angle of the heading link relative to the direction to the
+/// target, p = (cos theta_T, sin theta_T), and r the distance to it. N links:
+///
+///   direction  cos theta_d, sin theta_d, alpha_1 .. alpha_{N-1}         (the paper's)
+///   target     the same, then w cos theta_d, w sin theta_d, (ln r + 4) / 2
+///              with r clipped to [kNearest, kFarthest] and w = tanh(r / 0.1)
+///
+/// Beyond kFarthest, "target" carries no more information than "direction". At smaller distances it
+/// also tells the distance, and the weight w of the direction, which then oscillates within a
+/// stroke, decreases.
 #pragma once
 
 #include <string>
@@ -20,26 +23,30 @@
 
 namespace threelink_sim {
 
+/// Kind of observation.
 enum class ObservationKind { kDirection, kTarget };
 
-constexpr double kNearest = 5e-4;  // [L] nearer targets look the same
-constexpr double kFarthest = 0.5;  // [L] so do more distant ones
+constexpr double kNearest = 5e-4;  ///< [L] lower bound of r
+constexpr double kFarthest = 0.5;  ///< [L] upper bound of r
 
+/// The names of the kinds.
 Words<ObservationKind> words_of(ObservationKind);
-std::string to_string(ObservationKind kind);  // "direction", "target"
-// Throws std::invalid_argument that names them.
+std::string to_string(ObservationKind kind);  ///< "direction", "target"
+/// Throws std::invalid_argument that names the kinds.
 ObservationKind observation_kind_from_string(const std::string& name);
 
-// Numbers of an observation: N + 1 or N + 4.
+/// Number of components of an observation: N + 1 or N + 4.
 int observation_size(ObservationKind kind, const Model& model);
 
-// Unit vector p = (x_T - x_c) / |x_T - x_c| from the centroid to the target, and the distance.
-// Never overflows: any finite target has a finite direction; a target on the centroid keeps the
-// previous one, and a distance above the largest double is that.
+/// Unit vector p = (x_T - x_c) / |x_T - x_c| from the centroid to the target, and the distance.
+/// Does not overflow: any finite target has a finite direction, and the distance is limited to the
+/// largest double. For a target on the centroid the direction is the previous one.
 struct TargetDirection {
-  Eigen::Vector2d p;  // [1]
-  double distance;    // that of the arguments, [L]
+  Eigen::Vector2d p;  ///< [1]
+  double distance;    ///< in the unit of the arguments, [L]
 };
+/// The direction from `centroid` to `target` [L], fixed frame. `previous` [1] is the result for a
+/// target on the centroid.
 TargetDirection target_direction(const Eigen::Vector2d& centroid, const Eigen::Vector2d& target,
                                  const Eigen::Vector2d& previous);
 

@@ -1,4 +1,6 @@
-// What command-line tools write: whole or not at all, and never in silence.
+/// @file
+/// Output of command-line tools: files are written completely or not at all, and a failure is
+/// reported.
 #pragma once
 
 #include <functional>
@@ -8,16 +10,17 @@
 
 namespace threelink_sim {
 
-// A file that is to be written at the end of some work. All that can be known before the work is
-// refused before it.
+/// A file to be written at the end of some work. Errors that can be detected before the work are
+/// reported before it.
 class OutputFile {
  public:
-  // `option` is what the path is called in messages; `inputs` are files that must not be
-  // overwritten. Throws UsageError if path is one of them, by whatever name or link, if it is a
-  // folder, or if it or its folder cannot be written.
+  /// `option` is the name of the path in messages; `inputs` are files that must not be overwritten.
+  /// Throws UsageError if the path denotes one of them, under any name or link, if it is a folder,
+  /// or if it or its folder is not writable.
   OutputFile(std::string option, std::string path, const std::vector<std::string>& inputs = {});
 
-  // By write_file(), through links; a device or pipe just gets the bytes. Throws FileError.
+  /// Writes by write_file(), through links; to a device or pipe the bytes are simply written.
+  /// Throws FileError.
   void write(std::string_view bytes) const;
   const std::string& path() const { return path_; }
 
@@ -25,13 +28,13 @@ class OutputFile {
   std::string option_, path_;
 };
 
-// Runs a command-line tool: returns what `work` returns, 2 for UsageError and
-// std::invalid_argument, 1 for another exception, after one sentence on standard error. If standard
-// output did not take all that was printed (closed, full), that is said, and the status is 1. A
-// closed pipe does not end the process, so that `work` can save what it has.
+/// Runs a command-line tool: returns what `work` returns, 2 for UsageError and
+/// std::invalid_argument, 1 for another exception, after one sentence on standard error. If
+/// standard output did not accept everything (closed, full), this is reported and the status is 1.
+/// A closed pipe does not end the process, so that `work` can save its results.
 int run_tool(const char* name, const std::function<int()>& work);
 
-// Whether standard output has taken all that was printed.
+/// Flushes standard output. Returns whether it accepted everything.
 bool flush_stdout();
 
 }  // namespace threelink_sim

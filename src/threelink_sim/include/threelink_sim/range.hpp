@@ -1,11 +1,12 @@
-// Bounds of a number, and their words.
+/// @file
+/// Bounds of a number and their text.
 #pragma once
 
 #include <string>
 
 namespace threelink_sim {
 
-// An interval, closed unless an end is said to be open.
+/// An interval. Each end is closed unless it is marked as open.
 template <class T>
 struct Range {
   T low;
@@ -13,11 +14,11 @@ struct Range {
   bool low_open = false;
   bool high_open = false;
 
-  // False for NaN.
+  /// Whether the value is in the interval; false for NaN.
   bool contains(T value) const {
     return (low_open ? value > low : value >= low) && (high_open ? value < high : value <= high);
   }
-  // Such as "in (0, 10]".
+  /// Text such as "in (0, 10]".
   std::string text() const;
 };
 

@@ -1,4 +1,5 @@
-// SHA-256 (FIPS 180-4), by OpenSSL.
+/// @file
+/// SHA-256 (FIPS 180-4), by OpenSSL.
 #pragma once
 
 #include <string>
@@ -6,7 +7,7 @@
 
 namespace threelink_sim {
 
-// 64 lower-case hex digits.
+/// The hash as 64 lower-case hex digits.
 std::string sha256(std::string_view bytes);
 
 }  // namespace threelink_sim

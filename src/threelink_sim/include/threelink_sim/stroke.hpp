@@ -1,4 +1,5 @@
-// A stroke: hinge rates over one period, after which the swimmer has its first shape again.
+/// @file
+/// A stroke: hinge rates over one period, after which the swimmer has its initial shape again.
 #pragma once
 
 #include <vector>
@@ -7,44 +8,44 @@
 
 namespace threelink_sim {
 
-// The period is cut into pieces of length dt, in each of which the rates are held.
+/// The period consists of pieces of length dt with constant rates.
 struct Stroke {
   Model model;
-  double dt = 0.1;                 // [T0]
-  HingeVector start;               // [rad] (N-1) hinge angles in the beginning
-  std::vector<HingeVector> rates;  // [1/T0] one (N-1) a piece
+  double dt = 0.1;                 ///< [T0]
+  HingeVector start;               ///< [rad] (N-1) initial hinge angles
+  std::vector<HingeVector> rates;  ///< [1/T0] (N-1) for each piece
 
   int pieces() const { return static_cast<int>(rates.size()); }
   double period() const { return pieces() * dt; }
 
-  // Throws std::invalid_argument that names field, value and bound: the model, rates within
-  // [-1, 1], angles within the joint limit, and the shape closed to within 1e-9 rad.
+  /// Throws std::invalid_argument that names field, value and bound: the model, rates within
+  /// [-1, 1], angles within the joint limit, and the shape closed to within 1e-9 rad.
   void validate() const;
 };
 
-// [rad] hinge angles in the beginning and after each piece: pieces() + 1 of them.
+/// [rad] hinge angles at the start and after each piece: pieces() + 1 vectors.
 std::vector<HingeVector> hinge_angles(const Stroke& stroke);
 
-// What one period does, for a swimmer with centroid and heading 0 in the beginning.
+/// Result of one period of a swimmer whose centroid and heading are initially 0.
 struct StrokeMeasures {
-  Eigen::Vector2d displacement;  // [L] of the centroid
-  double rotation;               // [rad]
-  double work;                   // [C_perp L^3/T0]
-  double speed;                  // [L/T0] |displacement| / period
-  double power;                  // [C_perp L^3/T0^2] Phi = work / period
-  double efficiency;             // gamma speed^2 / power
+  Eigen::Vector2d displacement;  ///< [L] of the centroid
+  double rotation;               ///< [rad]
+  double work;                   ///< [C_perp L^3/T0]
+  double speed;                  ///< [L/T0] |displacement| / period
+  double power;                  ///< [C_perp L^3/T0^2] Phi = work / period
+  double efficiency;             ///< gamma speed^2 / power
 };
 
-// Plays one period. A swimmer whose stroke turns it goes round in a circle: `speed` is then that of
-// the first period only.
+/// Plays one period. A swimmer whose stroke rotates it moves in a circle; `speed` is then that of
+/// the first period only.
 StrokeMeasures measure(const Stroke& stroke);
 
-// Where a period starts so that its net displacement points along +x: centroid at the origin.
+/// The start, with the centroid at the origin, from which the net displacement points along +x.
 SwimmerState aligned_start(const Stroke& stroke);
 
-// Purcell's stroke: the outer hinges swing between angles low < high [rad], one at a time at rate
-// 1, clockwise in the plane (first hinge, last hinge) from (low, low), so that `pieces`, a multiple
-// of 4, are equal. All other hinges stay straight.
+/// Purcell's stroke: the outer hinges move one at a time at rate 1 between the angles low < high
+/// [rad], clockwise in the plane (first hinge, last hinge) from (low, low). `pieces`, a multiple of
+/// 4, have equal length. All other hinges remain straight.
 Stroke square_stroke(const Model& model, double low, double high, int pieces);
 
 }  // namespace threelink_sim

@@ -1,4 +1,5 @@
-// Characters of UTF-8.
+/// @file
+/// Characters of UTF-8.
 #pragma once
 
 #include <cstddef>
@@ -6,10 +7,11 @@
 
 namespace threelink_sim {
 
+/// The byte order mark in UTF-8.
 constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
 
-// Bytes of the character that text begins with, 1 to 4; 0 if that is not UTF-8: overlong forms,
-// surrogates and what is cut off are not.
+/// Number of bytes of the first character, 1 to 4; 0 if it is not valid UTF-8. Overlong forms,
+/// surrogates and truncated characters are not valid.
 std::size_t utf8_length(std::string_view text);
 
 }  // namespace threelink_sim

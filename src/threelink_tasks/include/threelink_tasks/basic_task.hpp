@@ -1,4 +1,5 @@
-// A base for tasks; the names by which task plug-ins know it.
+/// @file
+/// The base class of tasks under the names that plug-ins use.
 #pragma once
 
 #include "threelink_sim/task/basic_task.hpp"

@@ -1,4 +1,5 @@
-// What a task is; the names by which task plug-ins know it.
+/// @file
+/// The interface of a task under the names that plug-ins use.
 #pragma once
 
 #include "threelink_sim/task/task.hpp"

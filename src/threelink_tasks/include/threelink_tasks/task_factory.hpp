@@ -1,4 +1,5 @@
-// Tasks by name, for this package.
+/// @file
+/// The registry of tasks under the names of this package.
 #pragma once
 
 #include "threelink_sim/task/task_factory.hpp"

@@ -1,6 +1,7 @@
-// Many episodes of a task at once, side by side in the batch simulation.
-//
-// Each has the bits of run_episode(), and so of the loop over topics.
+/// @file
+/// Many episodes of a task at once, side by side in the batch simulation.
+///
+/// Each is equal to the bit to run_episode() and therefore to the loop over topics.
 #pragma once
 
 #include <memory>
@@ -12,22 +13,24 @@
 
 namespace threelink_tasks {
 
+/// Number and kind of the trials.
 struct TrialsConfig {
   std::uint64_t seed = 0;
-  int trials = 100;      // episodes 1 .. trials, > 0
-  bool sampled = false;  // actions, else their mean
+  int trials = 100;      ///< episodes 1 .. trials, > 0
+  bool sampled = false;  ///< actions, else their mean
   std::size_t lanes = 64;
-  std::shared_ptr<const threelink_sim::World> world;  // null: still water
+  std::shared_ptr<const threelink_sim::World> world;  ///< null: still water
 };
 
+/// Result of one trial.
 struct Trial {
-  Outcome outcome = Outcome::kRunning;  // still: it has left the grid of the world's flow
+  Outcome outcome = Outcome::kRunning;  ///< still: it has left the grid of the world's flow
   EpisodeMeasures measures;
-  double path_length = 0;  // [L] from the start through all waypoints; 0 if there are none
+  double path_length = 0;  ///< [L] from the start through all waypoints; 0 if there are none
 };
 
-// The trials in their order. `make` gives a task with its parameters taken. The swimmer and dt are
-// the policy's. Throws std::invalid_argument if a start does not fit.
+/// Plays all trials and returns them in order. `make` returns a configured task. Swimmer and dt are
+/// those of the policy. Throws std::invalid_argument if a start does not fit.
 std::vector<Trial> run_trials(const TaskMaker& make, const threelink_agent::Policy& policy,
                               const TrialsConfig& config);
 

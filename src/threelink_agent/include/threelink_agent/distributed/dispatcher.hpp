@@ -1,5 +1,6 @@
-// The learner's side of the protocol (docs/distributed.md), as a state machine without clock,
-// threads or network: what happened goes in, with its time; what is to be sent comes out.
+/// @file
+/// The learner's side of the protocol (docs/distributed.md) as a state machine without clock,
+/// threads or network: its inputs are events with their times, its outputs the messages to send.
 #pragma once
 
 #include <array>
@@ -15,74 +16,83 @@
 
 namespace threelink_agent {
 
-// What becomes of a batch.
+/// Result of the check of a batch.
 enum class Verdict {
   kAccepted,
-  kLate,         // of an update that is done, or of a process of the learner that is gone
-  kDouble,       // all of it had come already
-  kGivenBack,    // the worker could not play them now
-  kStranger,     // another node sent it than the worker whose it claims to be
-  kNotLeased,    // no such lease was given to that worker
-  kWrongPolicy,  // played with another policy than this update's
-  kMalformed,    // other episodes, sizes or shapes than leased
+  kLate,         ///< of a completed update, or of an earlier process of the learner
+  kDouble,       ///< all of its episodes had already arrived
+  kGivenBack,    ///< the worker could not play the episodes now
+  kStranger,     ///< sent by another node than the worker that it names
+  kNotLeased,    ///< this lease was not given to that worker
+  kWrongPolicy,  ///< played with a policy other than this update's
+  kMalformed,    ///< episodes, sizes or shapes differ from the lease
   kBadChecksum,
   kNotFinite,
-  kOtherBits,  // played here, an episode of it gave other numbers
+  kOtherBits,  ///< an episode replayed by the learner gave other numbers
 };
+/// Number of verdicts.
 constexpr int kVerdicts = 11;
-const char* to_string(Verdict verdict);  // "accepted", "late", "double", ..
-// Whether it is refused for what it is.
+const char* to_string(Verdict verdict);  ///< such as "accepted", "late" or "double"
+/// Whether the batch is refused because of its content or sender.
 constexpr bool is_fault(Verdict verdict) { return verdict > Verdict::kGivenBack; }
 
+/// Settings of the distribution of episodes.
 struct DispatcherSettings {
   RosterSettings roster;
-  // A lease that has not come back for so long is given again; sooner if the worker is known to be
-  // fast (WorkerRoster::patience).
+  /// Reassign a lease after this time; earlier if the worker is known to be fast
+  /// (WorkerRoster::patience).
   std::chrono::nanoseconds lease_time = std::chrono::seconds(60);
-  int lease_episodes = 256;  // of a lease, at most
-  // Episodes of each batch, drawn by lot, that are played once more before it is taken. 0: none, as
-  // for robots, whose episodes nobody else could play.
+  int lease_episodes = 256;  ///< largest number of episodes of a lease
+  /// Number of randomly chosen episodes of each batch that the learner replays before it accepts
+  /// the batch. 0 for robots, whose episodes cannot be replayed.
   int replays = 1;
 };
 
+/// The update whose episodes are being collected.
 struct Update {
-  std::uint64_t version;        // of the policy: updates done
-  std::string policy;           // sha256 of the policy file's bytes
-  std::uint32_t first_episode;  // number in the training
+  std::uint64_t version;        ///< of the policy: updates done
+  std::string policy;           ///< sha256 of the policy file's bytes
+  std::uint32_t first_episode;  ///< number in the training
   int episodes;
 };
 
+/// A refused worker and the reason.
 struct Refusal {
   std::uint64_t worker;
   std::string reason;
 };
 
-// Assembles the rollouts, one update after the other, from what the workers hand in. An episode
-// enters once, at the place of its number: the rollout does not depend on who played what, or when.
+/// Assembles the rollout of each update from the batches of the workers. An episode enters once, at
+/// the position of its number: the rollout depends neither on the worker that played an episode nor
+/// on the time.
 class Dispatcher {
  public:
   using Time = LeaseBook::Time;
 
   explicit Dispatcher(const DispatcherSettings& settings);
 
-  // To be called for the next update; all else may happen at any time, also before it. `play` is
-  // how its episodes are played, for replays.
+  /// Begins the next update. The other methods may be called at any time, also before. `play`
+  /// describes how episodes are played and is needed for replays.
   void open(const Update& update, Rollout&& empty, const std::optional<Play>& play = {});
   bool complete() const { return rollout_ && book_.complete(); }
-  // The rollout, once it is complete. Until the next open() no lease is given.
+  /// The rollout, once complete() is true. No lease is given until the next open().
   Rollout take();
 
+  /// Handles a status message of a worker.
   void hear(const WorkerStatus& status, Time now);
+  /// Handles a connection of a node to the topic of leases.
   void connect(const std::string& name) { roster_.connect(name); }
+  /// Handles the end of such a connection.
   void disconnect(const std::string& name, Time now);
-  // publisher: the node that sent it.
+  /// Checks a batch and, if accepted, adds its episodes. publisher: name of the node that sent it.
   Verdict deliver(const EpisodeBatch& batch, const std::string& publisher, Time now);
 
-  // What is to be sent now; to be called after each of the above, and at least once a second.
+  /// Messages to send.
   struct Sending {
     std::vector<Lease> leases;
     std::vector<Refusal> refusals;
   };
+  /// The messages to send now. Call it after each of the above methods, and at least once a second.
   Sending tick(Time now);
 
   const Update& update() const { return update_; }
@@ -103,10 +113,10 @@ class Dispatcher {
   WorkerRoster roster_;
   LeaseBook book_;
   Update update_{};
-  std::optional<Rollout> rollout_;  // until it is taken
-  std::optional<Play> play_;        // of its episodes
+  std::optional<Rollout> rollout_;  ///< empty after take()
+  std::optional<Play> play_;        ///< for replays of its episodes
   std::mt19937 lots_{std::random_device()()};
-  std::vector<Refusal> refusals_;  // to be sent
+  std::vector<Refusal> refusals_;  ///< to be sent
   std::uint64_t leases_given_ = 0, leases_lost_ = 0, statuses_refused_ = 0;
   std::array<std::uint64_t, kVerdicts> batches_{};
 };

@@ -1,4 +1,6 @@
-// Who plays which episodes of an update. Knows nothing of what is in them.
+/// @file
+/// The assignment of the episodes of an update to workers. It does not know the content of the
+/// episodes.
 #pragma once
 
 #include <chrono>
@@ -9,52 +11,54 @@
 
 namespace threelink_agent {
 
-// Consecutive episodes for one worker.
+/// Consecutive episodes for one worker.
 struct Lease {
-  std::uint64_t id = 0;      // counts from 1, over all updates
-  std::uint64_t worker = 0;  // instance of the worker
-  int first = 0, count = 0;  // episodes of the update, from 0
+  std::uint64_t id = 0;      ///< counts from 1, over all updates
+  std::uint64_t worker = 0;  ///< instance of the worker
+  int first = 0, count = 0;  ///< episodes of the update, from 0
 };
 
-// Each episode of the update is open, leased, or in; in is final. A lease ends when its episodes
-// are handed in, when they are refused, or when it is lost. A lost one is still known: what comes
-// of it after all is as good as the same episodes of another worker, to the bit.
+/// Each episode of the update is open, leased, or done (kIn); done is final. A lease ends when its
+/// episodes are returned, when they are refused, or when it is lost. The book remembers a lost
+/// lease: episodes that still arrive for it are equal to the bit to those of another worker.
 class LeaseBook {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  // A worker, how fast it is relative to the others, and whether it holds nothing.
+  /// A worker, its speed relative to the others, and whether it holds no lease.
   struct Hand {
     std::uint64_t worker;
-    double speed;  // > 0
+    double speed;  ///< > 0
     bool free;
   };
 
-  // A new update: all episodes are open, all leases forgotten.
+  /// Begins a new update: all episodes are open, and all leases are forgotten.
   void open(int episodes);
   bool complete() const { return in_ == static_cast<int>(states_.size()); }
   int in() const { return in_; }
 
-  // Divides what is open among the hands in proportion to their speed. Each that is free gets a
-  // lease of its part, as far as that is consecutive and no more than `most` episodes; the parts of
-  // the others stay open until they come back.
+  /// Divides the open episodes among the workers in proportion to their speed. Each free worker
+  /// gets a lease of its part, limited to consecutive episodes and to `most` of them. The parts of
+  /// busy workers stay open until these are free.
   std::vector<Lease> give(const std::vector<Hand>& hands, int most,
                           const std::function<Time(const Lease&)>& deadline);
 
-  // Null for a lease that this update never gave.
+  /// The lease, or null if this update never gave it.
   const Lease* find(std::uint64_t id) const;
 
-  // Consecutive episodes.
+  /// Consecutive episodes.
   struct Run {
     int first, count;
   };
-  // The lease is handed in: returns those of its episodes that were not in yet, which now are.
+  /// Records that the episodes of the lease have arrived. Returns those that had not arrived
+  /// before.
   std::vector<Run> settle(std::uint64_t id);
-  // A lease that runs ends without its episodes: they are open again, unless they are in.
+  /// Ends a running lease without its episodes: those that are not done are open again.
   void reopen(std::uint64_t id);
 
-  // Loses what is past its deadline, or held by a worker, and returns it.
+  /// Ends the leases whose deadline has passed, and returns them.
   std::vector<Lease> expire(Time now);
+  /// Ends the leases of a worker, and returns them.
   std::vector<Lease> revoke(std::uint64_t worker);
 
  private:

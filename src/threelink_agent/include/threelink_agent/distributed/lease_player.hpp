@@ -1,4 +1,5 @@
-// A worker's side of the protocol (docs/distributed.md): plays leases with the policy they are for.
+/// @file
+/// A worker's side of the protocol (docs/distributed.md): plays the episodes of leases.
 #pragma once
 
 #include <cstdint>
@@ -15,44 +16,45 @@
 
 namespace threelink_agent {
 
-// A lease, and what it is to be played with.
+/// A lease and the policy with which to play it.
 struct Assignment {
   std::uint64_t session = 0;
   std::uint64_t version = 0;
-  std::string policy;  // sha256 of the policy file's bytes
+  std::string policy;  ///< sha256 of the policy file's bytes
   std::uint64_t lease = 0;
   std::uint64_t worker = 0;
   std::uint32_t first_episode = 0, episodes = 0;
 };
 
+/// Plays assignments with the policy that the learner sent last.
 class LeasePlayer {
  public:
-  // source: where the episodes are played.
+  /// source: plays the episodes.
   explicit LeasePlayer(std::unique_ptr<RolloutSource> source) : source_(std::move(source)) {}
 
-  // Whether episodes can be played now, as far as is known.
+  /// Whether the source can play episodes now.
   bool ready() { return source_->ready(); }
 
-  // The policy file that a learner sent; swimmer, seed and the rest come with it, in its
-  // configuration. Throws PolicyError and ConfigError, and keeps the one it has.
+  /// Loads the policy file of a learner. Its metadata hold the configuration with swimmer and seed.
+  /// Throws PolicyError and ConfigError; the previous policy then remains.
   void load(const std::string& bytes, const std::string& source);
 
-  // Whether it has the policy for it.
+  /// Whether the policy of the assignment is loaded.
   bool ready_for(const Assignment& assignment) const { return assignment.policy == policy_; }
 
-  // More than this in one lease are a mistake.
+  /// Largest accepted number of episodes in a lease.
   static constexpr std::uint32_t kMostEpisodes = 1000000;
 
-  // Plays the episodes. Without their policy, or with a number of them that cannot be, the batch is
-  // empty, and will be refused. If they cannot be played now, it gives the lease back. Throws
-  // Interrupted if the source does.
+  /// Plays the episodes. The batch is empty, and will be refused, if their policy is not loaded or
+  /// their number is out of bounds. If the source cannot play now, the batch returns the lease with
+  /// the reason. Throws Interrupted if the source does.
   EpisodeBatch play(const Assignment& assignment);
 
  private:
   std::unique_ptr<RolloutSource> source_;
-  std::string yaml_;  // what config_ was read from
+  std::string yaml_;  ///< text that config_ was read from
   TrainConfig config_;
-  std::string policy_;  // sha256 of the policy file's bytes
+  std::string policy_;  ///< sha256 of the policy file's bytes
   std::optional<Play> play_;
 };
 

@@ -1,4 +1,5 @@
-// Rollouts that workers play elsewhere.
+/// @file
+/// Rollouts that workers in other processes play.
 #pragma once
 
 #include <condition_variable>
@@ -13,49 +14,55 @@
 
 namespace threelink_agent {
 
-// Lag 0: play() returns when every episode of this policy is in.
+/// Distributed rollouts without lag: play() returns when every episode of the current policy has
+/// arrived.
 class RemoteRollouts : public RolloutSource {
  public:
-  // The way to the workers. Called from several threads, one at a time; must not block for long.
+  /// The connection to the workers. Its methods are called from several threads, one at a time, and
+  /// must not block for long.
   class Wire {
    public:
     virtual ~Wire() = default;
+    /// Sends a policy file to all workers.
     virtual void send_policy(std::uint64_t version, const std::string& bytes) = 0;
+    /// Sends leases and refusals.
     virtual void send(std::uint64_t session, const Update& update,
                       const Dispatcher::Sending& sending) = 0;
   };
 
+  /// Settings of the distribution and of the wait for workers.
   struct Settings {
     DispatcherSettings dispatcher;
-    std::chrono::nanoseconds worker_timeout = std::chrono::seconds(30);  // without any worker
+    std::chrono::nanoseconds worker_timeout = std::chrono::seconds(30);  ///< without workers
   };
 
-  // keep_going: asked some times a second by play().
+  /// keep_going: play() calls it several times a second and ends when it returns false.
   RemoteRollouts(const TrainConfig& config, const Settings& settings, Wire& wire,
                  std::function<bool()> keep_going);
 
-  // Throws Interrupted if keep_going() says no, NoRollout if there is no worker for too long,
-  // naming those that were refused, and PolicyError if the policy cannot be
-  // sent.
+  /// Plays a rollout on the workers. Throws Interrupted if keep_going() returns false, NoRollout
+  /// that names the refused workers if there is no worker for too long, and PolicyError if the
+  /// policy cannot be sent.
   Rollout play(const Play& play, int episodes) override;
 
-  // Runs react(dispatcher, now) alone, then sends what follows from it. From any thread.
+  /// Runs react(dispatcher, now) under the lock, then sends the resulting messages. May be called
+  /// from any thread.
   void with(const std::function<void(Dispatcher&, Dispatcher::Time)>& react);
 
  private:
   using Clock = std::chrono::steady_clock;
 
   void send_what_is_due();
-  void refuse_to_wait_alone();  // throws NoRollout
+  void refuse_to_wait_alone();  ///< throws NoRollout
 
   TrainConfig config_;
   Settings settings_;
   Wire& wire_;
   std::function<bool()> keep_going_;
-  std::mutex mutex_;  // of all that follows, and the wire
+  std::mutex mutex_;  ///< guards the members below and the wire
   std::condition_variable complete_;
   Dispatcher dispatcher_;
-  Clock::time_point last_alive_;  // when there was a worker
+  Clock::time_point last_alive_;  ///< time at which a worker was last present
 };
 
 }  // namespace threelink_agent

@@ -1,4 +1,5 @@
-// How much better an action was than expected (Schulman et al. 2016, arXiv:1506.02438).
+/// @file
+/// Generalised advantage estimation (Schulman et al. 2016, arXiv:1506.02438).
 #pragma once
 
 #include <cstdint>
@@ -8,13 +9,15 @@
 
 namespace threelink_agent {
 
+/// Section `advantage` of a configuration.
 struct AdvantageSettings {
   double discount = 0;
   double lambda = 0;
-  // An episode that ran into the time limit has a future: its last state counts with its value.
-  // Without it the time limit is a true end, and a critic that cannot see the time goes astray.
+  /// Whether the value of the last state is added at the time limit, where the swimmer would swim
+  /// on. Otherwise the return ends there, and a critic that cannot observe the time estimates it
+  /// wrongly.
   bool bootstrap_at_time_limit = true;
-  bool normalise = true;  // for who calls normalise()
+  bool normalise = true;  ///< whether the caller applies normalise()
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -27,27 +30,28 @@ struct AdvantageSettings {
   }
 };
 
+/// Advantages and returns of a rollout.
 struct Advantages {
-  std::vector<float> advantages;  // (steps, episodes)
-  std::vector<float> returns;     // (steps, episodes) what the critic should have said
+  std::vector<float> advantages;  ///< (steps, episodes)
+  std::vector<float> returns;     ///< (steps, episodes) targets of the critic, R_t
 };
 
-// Generalised advantage estimation over `episodes` episodes of `steps` steps side by side; element
-// (t, i) of each array at [t * episodes + i].
-//
-//   delta_t = r_t + Gamma V_{t+1} - V_t,   A_t = delta_t + Gamma lambda A_{t+1},   R_t = A_t + V_t
-//
-// with A_{steps} = 0, and V_{steps} = 0 if the time limit does not bootstrap. lambda = 1 without
-// bootstrap is the paper's R_k - V_k with Monte-Carlo returns. Where captured_t is 1, V_{t+1} and
-// A_{t+1} count as 0: what follows is another way, to another target.
-//
-// rewards, captured (steps, episodes), values (steps + 1, episodes).
+/// Generalised advantage estimation over `episodes` episodes of `steps` steps side by side; element
+/// (t, i) of each array at [t * episodes + i].
+///
+///   delta_t = r_t + Gamma V_{t+1} - V_t,   A_t = delta_t + Gamma lambda A_{t+1},   R_t = A_t + V_t
+///
+/// with A_{steps} = 0, and V_{steps} = 0 if the time limit does not bootstrap. lambda = 1 without
+/// bootstrap is the paper's R_k - V_k with Monte-Carlo returns. Where captured_t is 1, V_{t+1} and
+/// A_{t+1} count as 0, because what follows is the path to another target.
+///
+/// rewards, captured (steps, episodes), values (steps + 1, episodes).
 Advantages generalised_advantages(int steps, int episodes, const std::vector<float>& rewards,
                                   const std::vector<std::uint8_t>& captured,
                                   const std::vector<float>& values,
                                   const AdvantageSettings& settings);
 
-// To mean 0 and standard deviation 1; constant ones become 0.
+/// Scales the advantages to mean 0 and standard deviation 1; constant advantages become 0.
 void normalise(std::vector<float>& advantages);
 
 }  // namespace threelink_agent

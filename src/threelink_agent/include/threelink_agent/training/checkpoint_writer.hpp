@@ -1,4 +1,5 @@
-// Checkpoints on a thread of their own, so that training never waits for a disk.
+/// @file
+/// Writes checkpoints on a separate thread, so that training never waits for a disk.
 #pragma once
 
 #include <condition_variable>
@@ -12,21 +13,21 @@
 
 namespace threelink_agent {
 
-// Hands checkpoints to `write` one after the other. While one is being written, at most one waits,
-// the newest: syncing to a slow disk takes longer than an update, and a checkpoint that a newer one
-// is about to replace is worth nothing.
+/// Calls `write` for one checkpoint after the other. While one is being written, only the newest of
+/// the later ones waits: a sync to a slow disk takes longer than an update, and a checkpoint that a
+/// newer one is about to replace is not needed.
 class CheckpointWriter {
  public:
   explicit CheckpointWriter(std::function<void(const Checkpoint&)> write);
-  // Finishes the one that is being written, and drops the one that waits.
+  /// Waits for the write in progress and discards the waiting checkpoint.
   ~CheckpointWriter();
   CheckpointWriter(const CheckpointWriter&) = delete;
   CheckpointWriter& operator=(const CheckpointWriter&) = delete;
 
   void put(Checkpoint checkpoint);
-  // Until all are written.
+  /// Waits until all checkpoints are written.
   void wait();
-  // Throws what the newest write threw, once.
+  /// Throws the exception of the newest write, once.
   void check();
 
  private:

@@ -1,4 +1,5 @@
-// A tanh network in training on the gradient kernels: its parameters, gradient and Adam state.
+/// @file
+/// A tanh network that is trained by the gradient kernels: its parameters, gradient and Adam state.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +12,14 @@
 
 namespace threelink_agent {
 
-// One number for each parameter of a network, and for some that stand beside it (log_std).
+/// One number for each parameter of a network and for each extra parameter (log_std).
 struct NetworkTensors {
   std::vector<Linear> layers;
   Eigen::VectorXf extra;
 };
 
-// Parameters, moments and gradients are flat arrays: the layers as PackedLayer has them, then one
-// line for the extra parameters. The padding is 0 and stays so, since its gradient is.
+/// Parameters, moments and gradients are flat arrays: the layers in the layout of PackedLayer, then
+/// the extra parameters. The padding is 0 and remains 0, because its gradient is 0.
 class FusedNetwork {
  public:
   FusedNetwork(const NetworkTensors& start, const GradientKernels& kernels);
@@ -32,33 +33,33 @@ class FusedNetwork {
   std::uint64_t steps() const { return steps_; }
   float* extra() { return parameters_.data() + extra_at_; }
   const float* extra() const { return parameters_.data() + extra_at_; }
-  // Of the same shapes.
+  /// Sets parameters, moments and the number of steps; the shapes must not change.
   void set(const NetworkTensors& parameters, const NetworkTensors& mean,
            const NetworkTensors& variance, std::uint64_t steps);
 
-  // A share of a minibatch: the activations of one block of it at a time, and the sum of the
-  // gradients. Slices of one network can work at the same time.
+  /// A slice of a minibatch: the activations of one block at a time, and the sum of the gradients.
+  /// Several threads can work on slices of the same network.
   class Slice {
    public:
-    // input_stride: of the rows of inputs(), a multiple of kPackedFloats, at least the network's
-    // inputs; what follows these in a row is for the caller.
+    /// input_stride: floats from one row of inputs() to the next, a multiple of kPackedFloats and
+    /// at least the network's inputs. The caller may use the rest of a row.
     Slice(const FusedNetwork& network, int input_stride);
 
     void clear() { gradient_.clear(); }
 
-    // Rows of a block: inputs (kLossBlock, input_stride), to be written before forward(), outputs
-    // (kLossBlock, output_stride()), and the gradient of the loss by them, to be written before
-    // backward().
+    /// Rows of a block: inputs (kLossBlock, input_stride), to be written before forward(), outputs
+    /// (kLossBlock, output_stride()), and the gradient of the loss by them, to be written before
+    /// backward().
     float* inputs() { return inputs_.data(); }
     const float* outputs() const { return activations_.back().data(); }
     float* output_gradient() { return deltas_.back().data(); }
     int output_stride() const { return network_->layout_.back().stride; }
 
-    // samples: at most kLossBlock.
+    /// samples: at most kLossBlock.
     void forward(int samples);
-    void backward(int samples);  // adds to the gradient
+    void backward(int samples);  ///< adds to the gradient
 
-    // Of the extra parameters; to be added to.
+    /// Gradient of the extra parameters; the caller adds to it.
     float* extra_gradient() { return gradient_.data() + network_->extra_at_; }
 
    private:
@@ -66,11 +67,11 @@ class FusedNetwork {
     const FusedNetwork* network_;
     int input_stride_;
     AlignedFloats inputs_, gradient_;
-    std::vector<AlignedFloats> activations_, deltas_;  // (kLossBlock, stride) of each layer
+    std::vector<AlignedFloats> activations_, deltas_;  ///< (kLossBlock, stride) of each layer
   };
 
-  // Adds up the slices in their order, scales the sum to max_gradient_norm if it is longer, and
-  // takes a step of Adam.
+  /// Sums the slices in their order, scales the sum to max_gradient_norm if it is longer, and
+  /// performs a step of Adam.
   void descend(const std::vector<Slice>& slices, double learning_rate, double max_gradient_norm);
 
  private:
@@ -80,11 +81,11 @@ class FusedNetwork {
 
   const GradientKernels* kernels_;
   std::vector<PackedLayer> layout_;
-  std::size_t extra_at_;  // index of the extra parameters
-  int extra_;             // their number, at most kPackedFloats * n
+  std::size_t extra_at_;  ///< index of the extra parameters
+  int extra_;             ///< their number, at most kPackedFloats * n
   AlignedFloats parameters_, mean_, variance_, gradient_;
-  std::vector<AlignedFloats> weights_;  // of each layer but the first: rows w_j, for the way back
-  std::uint64_t steps_ = 0;             // of Adam
+  std::vector<AlignedFloats> weights_;  ///< of each layer but the first: rows w_j, for the way back
+  std::uint64_t steps_ = 0;             ///< of Adam
 };
 
 }  // namespace threelink_agent

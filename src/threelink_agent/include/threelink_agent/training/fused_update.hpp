@@ -1,5 +1,6 @@
-// The update by our own kernels: forward, loss and backward of a minibatch in one go, without
-// LibTorch.
+/// @file
+/// The update by this project's own kernels: forward pass, loss and backward pass of a minibatch,
+/// without LibTorch.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +14,15 @@
 
 namespace threelink_agent {
 
-// Each minibatch is cut into kSlices parts. The gradients of their samples are summed one by one,
-// and those of the parts in their order, whichever threads computed them: the result depends
-// neither on the number of threads nor on the instruction set.
+/// Each minibatch is cut into kSlices slices. The gradients of the samples of a slice are summed in
+/// their order, and so are the sums of the slices, whichever threads computed them. The result
+/// depends neither on the number of threads nor on the instruction set.
 class FusedUpdate : public PpoUpdate {
  public:
   static constexpr int kSlices = 4;
 
-  // threads: at least 1; of more than 2 kSlices the rest find nothing to do. Throws ConfigError,
-  // and std::invalid_argument if this processor lacks the instruction set.
+  /// threads: at least 1; more than 2 kSlices are not used. Throws ConfigError,
+  /// and std::invalid_argument if this processor lacks the instruction set.
   FusedUpdate(const TrainConfig& config, int threads,
               threelink_sim::Isa isa = threelink_sim::isa_in_use());
 
@@ -40,14 +41,14 @@ class FusedUpdate : public PpoUpdate {
   FusedUpdate(const TrainConfig& config, int threads, threelink_sim::Isa isa,
               const LearnerState& start);
 
-  // The part of a minibatch that one slice takes.
+  /// The part of a minibatch that belongs to one slice.
   struct Share {
-    const std::int64_t* chosen;  // (count) samples
+    const std::int64_t* chosen;  ///< (count) samples
     int count;
-    float weight;  // of a sample in the loss, 1 / samples of the minibatch
+    float weight;  ///< weight of a sample in the loss: 1 / samples of the minibatch
     bool last_epoch;
   };
-  // Sums over samples, for the statistics; a line of its own for each thread.
+  /// Sums over samples for the statistics. Each occupies its own cache line.
   struct alignas(64) Sums {
     double policy_loss = 0, value_loss = 0;  // over all epochs
     double kl = 0, outside = 0;              // over the last one
@@ -61,7 +62,7 @@ class FusedUpdate : public PpoUpdate {
   threelink_sim::Isa isa_;
   const GradientKernels* kernels_;
   SampleRow row_;
-  FusedNetwork actor_, critic_;  // log_std is the actor's extra parameter
+  FusedNetwork actor_, critic_;  ///< log_std is the actor's extra parameter
   std::vector<FusedNetwork::Slice> actor_slices_, critic_slices_;
   Crew crew_;
 };

@@ -1,4 +1,5 @@
-// metrics.csv: a row an update.
+/// @file
+/// metrics.csv: one row for each update.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +10,26 @@
 
 namespace threelink_agent {
 
-// Rows reach the file whole or not at all: one that cannot be written is kept and tried again with
-// the next. Not for several threads, but sync() may be called from another one.
+/// Rows reach the file completely or not at all: a row that cannot be written is kept and written
+/// with the next one. Not thread-safe, except that another thread may call sync().
 class MetricsFile {
  public:
-  // A new file with nothing but its header; one that was there is emptied.
+  /// Creates a file with only the header, or empties an existing one.
   explicit MetricsFile(const std::string& path);
-  // Goes on behind the first `bytes` bytes of a file; rows after them are cut off. Throws FileError
-  // if it is shorter.
+  /// Continues after the first `bytes` bytes of a file; later rows are removed. Throws FileError if
+  /// it is shorter.
   MetricsFile(const std::string& path, std::uint64_t bytes);
 
-  // seconds: wall time since the start; steps_per_s: of this update. Throws FileError.
+  /// Adds a row. seconds: wall time since the start; steps_per_s: of this update. Throws FileError.
   void add(const UpdateReport& report, double seconds, double steps_per_s);
 
-  // Writes the rows that are kept. Throws FileError.
+  /// Writes the kept rows. Throws FileError.
   void flush();
   bool flushed() const { return kept_.empty(); }
-  // Length after the last row that was written.
+  /// Length after the last row that was written.
   std::uint64_t bytes() const { return bytes_; }
 
-  // Puts what was written onto the disk. Throws FileError.
+  /// Syncs the written rows to the disk. Throws FileError.
   void sync() const;
 
  private:

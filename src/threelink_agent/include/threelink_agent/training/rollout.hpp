@@ -1,4 +1,5 @@
-// Whole episodes played with exploration noise: what the learner learns from.
+/// @file
+/// Episodes that are played with exploration noise, from which the learner learns.
 #pragma once
 
 #include <cstdint>
@@ -14,56 +15,55 @@
 
 namespace threelink_agent {
 
-// Structure of arrays over samples: step t of episode i is sample t * episodes + i. Observations
-// and actions are those of the network, that is after canonicalisation. Observations are the
-// critic's; the actor is shown their first numbers, as many as it takes.
+/// Structure of arrays over samples: step t of episode i is sample t * episodes + i. Observations
+/// and actions are those of the network, that is after canonicalisation. Observations are those of
+/// the critic; the actor receives their first components, as many as it has inputs.
 struct Rollout {
-  int steps;  // N_s
+  int steps;  ///< N_s
   int episodes;
-  int observation_size;  // O
-  int hinges;            // A
-  std::vector<float>
-      observations;              // (O, steps + 1, episodes); the last ones follow the last action
-  std::vector<float> actions;    // (A, steps, episodes) [1/T0] as sampled, before any clipping
-  std::vector<float> log_probs;  // (steps, episodes) of the sampled action when it was sampled
-  std::vector<float> rewards;    // (steps, episodes)
-  std::vector<std::uint8_t> captured;  // (steps, episodes) 1: the step ended in a capture, else 0
+  int observation_size;             ///< O
+  int hinges;                       ///< A
+  std::vector<float> observations;  ///< (O, steps + 1, episodes); the last follow the last action
+  std::vector<float> actions;       ///< (A, steps, episodes) [1/T0] as sampled, before any clipping
+  std::vector<float> log_probs;     ///< (steps, episodes) of the sampled action when it was sampled
+  std::vector<float> rewards;       ///< (steps, episodes)
+  std::vector<std::uint8_t> captured;  ///< (steps, episodes) 1: the step ended in a capture, else 0
 
   Rollout(const threelink_sim::EnvironmentConfig& config, int episodes);
 
-  // Mean over the episodes of their undiscounted sum of rewards.
+  /// Mean over the episodes of their undiscounted sum of rewards.
   double mean_return() const;
 };
 
-// How episodes are played.
+/// Everything that determines how episodes are played.
 struct Play {
   threelink_sim::EnvironmentConfig environment;
   threelink_sim::GoalConfig goal;
-  Symmetry canonical;       // applied to what the network sees
-  Mlp actor;                // the mean of the actions
-  Eigen::VectorXf log_std;  // (A) of their standard deviation [1/T0]
+  Symmetry canonical;       ///< applied to input and output of the actor
+  Mlp actor;                ///< the mean of the actions
+  Eigen::VectorXf log_std;  ///< (A) logarithm of their standard deviation [1/T0]
   std::uint64_t seed;
-  std::uint32_t first_episode;  // number of the rollout's first one
+  std::uint32_t first_episode;  ///< number of the rollout's first episode
 };
 
-// The start of the rollout's episode i if its goal is a direction, keyed by (seed, number of the
-// episode).
+/// The start of the rollout's episode i if its goal is a direction, keyed by (seed, number of the
+/// episode).
 threelink_sim::SwimmerState start_of(const Play& play, int i);
 
-// The policy in the rollout's episodes begin .. end - 1, n of them side by side: acts on what it is
-// shown, and writes down what it saw, did and earned. Who moves the swimmers is none of its
-// business. Allocates when it is made only.
+/// The policy in the rollout's episodes begin .. end - 1, n of them side by side. It computes
+/// actions from observations and records observations, actions and rewards in the rollout. The
+/// caller moves the swimmers. Only the constructor allocates.
 class RolloutActor {
  public:
-  // Both must outlive it.
+  /// Both references must outlive the object.
   RolloutActor(const Play& play, int begin, int end, Rollout& rollout);
 
-  // Step t in [0, steps]: the observations, component k of episode i at [k * n + i].
+  /// Step t in [0, steps]: the observations, component k of episode i at [k * n + i].
   void see(int t, const double* observed);
-  // Step t in [0, steps): the rates for what it saw, hinge j of episode i at [j * n + i] [1/T0],
-  // before any clipping.
+  /// Step t in [0, steps): the rates for the last observations [1/T0], hinge j of episode i at [j *
+  /// n + i], before any clipping.
   const double* act(int t);
-  // What that brought (n).
+  /// The rewards of step t (n).
   void earn(int t, const double* rewards);
 
  private:
@@ -79,15 +79,15 @@ class RolloutActor {
   std::vector<double> rates_;
 };
 
-// Plays the rollout's episodes begin .. end - 1 side by side from random starts. Actions are mean +
-// std * noise; the environment clips them, the log-probability is that of the unclipped ones. Start
-// and noise are keyed by (seed, number of the episode, step), so that an episode does not depend on
-// which others are played with it.
+/// Plays the rollout's episodes begin .. end - 1 side by side from random starts. Actions are mean
+/// + std * noise; the environment clips them, the log-probability is that of the unclipped ones.
+/// Start and noise are keyed by (seed, number of the episode, step), so that an episode does not
+/// depend on the others.
 void collect(const Play& play, int begin, int end, Rollout& rollout);
 
-// Shows a random half of the episodes mirrored, keyed by (seed, episode). The log-probabilities
-// stay those of the actions that were taken: recomputing them would declare an action likely that
-// this policy may never take, and PPO's ratio would no longer limit the step.
+/// Mirrors a random half of the episodes, keyed by (seed, episode). The log-probabilities remain
+/// those of the sampled actions: recomputing them would assign a high probability to an action that
+/// this policy may never sample, and PPO's ratio would no longer limit the step.
 void mirror_half(Rollout& rollout, std::uint64_t seed, std::uint32_t first_episode);
 
 }  // namespace threelink_agent

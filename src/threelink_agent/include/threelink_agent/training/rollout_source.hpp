@@ -1,4 +1,5 @@
-// Where the episodes of an update come from.
+/// @file
+/// Sources of the episodes of an update.
 #pragma once
 
 #include <exception>
@@ -9,31 +10,32 @@
 
 namespace threelink_agent {
 
-// The source was told to end; play() was left in the middle.
+/// Thrown by play() if the source was told to end.
 class Interrupted : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-// The source cannot go on; what() gives the reason.
+/// Error of a source that cannot continue. what() gives the reason.
 class NoRollout : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
+/// Interface of a source of rollouts.
 class RolloutSource {
  public:
   virtual ~RolloutSource() = default;
 
-  // Plays that many episodes, from play.first_episode on. They are those of collect(), to the bit,
-  // wherever they are played. Throws Interrupted or NoRollout, where that can happen.
+  /// Plays `episodes` episodes, beginning with number play.first_episode. They are equal to the bit
+  /// to those of collect(), wherever they are played. May throw Interrupted or NoRollout.
   virtual Rollout play(const Play& play, int episodes) = 0;
 
-  // Whether there is any sense in play() now. From any thread, at any time.
+  /// Whether play() can succeed now. May be called from any thread at any time.
   virtual bool ready() { return true; }
 };
 
-// In this process.
+/// Plays the episodes in this process.
 class LocalRollouts : public RolloutSource {
  public:
   explicit LocalRollouts(int threads) : threads_(threads), crew_(threads) {}

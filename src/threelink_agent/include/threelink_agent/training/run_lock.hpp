@@ -1,4 +1,5 @@
-// One process a run.
+/// @file
+/// A lock that lets only one process train in a folder.
 #pragma once
 
 #include <string>
@@ -8,19 +9,20 @@
 
 namespace threelink_agent {
 
-// A folder that cannot be used for a run; what() names it and the reason.
+/// Error for a folder that cannot be used for a run. what() names it and the reason.
 class RunFolderError : public threelink_sim::UsageError {
  public:
   using UsageError::UsageError;
 };
 
-// Holds FOLDER/run.lock, which names the process, by flock(2): the system drops the lock with the
-// process, however it ends. The file stays.
+/// Holds FOLDER/run.lock, which contains the process number, by flock(2): the system releases the
+/// lock when the process ends in any way. The file remains.
 class RunLock {
  public:
   static constexpr char kFile[] = "run.lock";
 
-  // Throws RunFolderError at once, naming the process that holds the lock, or the reason.
+  /// Does not wait: throws RunFolderError that names the process that holds the lock, or another
+  /// reason.
   explicit RunLock(const std::string& folder);
 
  private:

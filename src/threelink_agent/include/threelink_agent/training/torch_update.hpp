@@ -1,5 +1,6 @@
-// The update by LibTorch's autograd and Adam: slower than FusedUpdate, and what it is tested
-// against.
+/// @file
+/// The update by LibTorch's autograd and Adam. It is slower than FusedUpdate and serves as its
+/// reference in tests.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +13,11 @@
 
 namespace threelink_agent {
 
-// Actor and critic are independent given the batch, so that two threads give the same bits as one.
+/// Actor and critic are independent of each other, so that two threads give the same bits as one.
 class TorchUpdate : public PpoUpdate {
  public:
-  // Sets BLAS and LibTorch, in the whole process, to one thread for each operation.
-  // threads: at least 1; two at most are used.
+  /// Sets BLAS and LibTorch in the whole process to one thread for each operation. threads: at
+  /// least 1; at most two are used.
   TorchUpdate(const TrainConfig& config, int threads);
 
   UpdateStatistics run(const Rollout& rollout, const Advantages& advantages, std::uint32_t update,
@@ -36,8 +37,8 @@ class TorchUpdate : public PpoUpdate {
   struct Batch;
   void train_actor(const Batch& batch, std::uint32_t update, UpdateStatistics& statistics);
   void train_critic(const Batch& batch, std::uint32_t update, UpdateStatistics& statistics);
-  // Calls visit(epoch, indices of the samples) for K epochs, each of which visits every sample
-  // once.
+  /// Calls visit(epoch, indices of the samples) for K epochs, each of which visits every sample
+  /// once.
   template <class Visit>
   void for_each_minibatch(std::int64_t samples, std::uint32_t update, Visit&& visit) const;
   std::vector<torch::Tensor> actor_parameters() const;
@@ -45,7 +46,7 @@ class TorchUpdate : public PpoUpdate {
   TrainConfig config_;
   int threads_;
   TanhNetwork actor_, critic_;
-  torch::Tensor log_std_;  // (A) of the noise [1/T0]
+  torch::Tensor log_std_;  ///< (A) of the noise [1/T0]
   FlatAdam actor_adam_, critic_adam_;
 };
 

@@ -1,4 +1,5 @@
-// Everything that decides what a training does; config/train_vfs.yaml explains each value.
+/// @file
+/// The configuration of a training. docs/learning.md explains each key.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +18,16 @@
 
 namespace threelink_agent {
 
-// A configuration that cannot be used; what() names the file, the key, its value and the bound. A
-// peer is told no value.
+/// Error of a configuration. what() names the file, the key, its value and the bound; for_peers()
+/// leaves the value out.
 using ConfigError = threelink_sim::ParameterError;
 
-// The version that to_yaml() writes. Files of version 1, which have no key `version`, have neither
-// environment.joint_limit, which was 2 pi / 3, nor `goal` and `observation`, but may have a section
-// `homing`: the goal "points", and the observation.
+/// Version of the keys that to_yaml() writes. Files of version 1 have no key `version`. They have
+/// neither environment.joint_limit (it was 2 pi / 3) nor `goal` and `observation`, but may have a
+/// section `homing` with the goal "points" and the observation.
 constexpr int kConfigVersion = 2;
 
+/// Section `symmetry`.
 struct SymmetryConfig {
   Symmetry canonical = Symmetry::kNone;
   bool mirror = false;
@@ -37,6 +39,7 @@ struct SymmetryConfig {
   }
 };
 
+/// Section `exploration`.
 struct ExplorationConfig {
   bool learned = false;
   double std = 0;
@@ -56,6 +59,7 @@ struct ExplorationConfig {
   }
 };
 
+/// Section `update`.
 struct UpdateConfig {
   std::uint32_t episodes = 0;
   std::uint32_t epochs = 0;
@@ -91,21 +95,22 @@ struct UpdateConfig {
   static constexpr std::uint32_t kMostSamples = 10'000'000;
 };
 
+/// All sections.
 struct TrainConfig {
-  std::uint64_t seed = 0;            // of every random number; 0 is as good as any other
-  std::uint32_t episodes = 0;        // N_E
-  std::uint32_t evaluate_every = 0;  // [updates] between deterministic evaluations
+  std::uint64_t seed = 0;            ///< key of all random numbers
+  std::uint32_t episodes = 0;        ///< N_E
+  std::uint32_t evaluate_every = 0;  ///< [updates] between deterministic evaluations
 
-  // Links, drag ratio, joint limit, dt, b, c and N_s. Its observation is what the critic is shown,
-  // which only training needs: "target" if the goal has one, else "direction".
+  /// Links, drag ratio, joint limit, dt, b, c, N_s and the world. Its observation is that of the
+  /// critic: "target" if the goal has a target, else "direction".
   threelink_sim::EnvironmentConfig environment;
 
-  // What the policy is shown.
+  /// Observation of the policy.
   threelink_sim::ObservationKind observation = threelink_sim::ObservationKind::kDirection;
 
   threelink_sim::GoalConfig goal;
 
-  // Widths of the tanh layers of actor and critic, 1 to 8 of them.
+  /// Widths of the tanh layers of actor and critic, 1 to 8 of them.
   std::vector<int> hidden;
 
   SymmetryConfig symmetry;
@@ -113,7 +118,7 @@ struct TrainConfig {
   AdvantageSettings advantage;
   UpdateConfig update;
 
-  // All but the goal. version: of the file, whose keys these are.
+  /// All fields but the goal. version: version of the file that is read.
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit, int version = kConfigVersion) {
     using threelink_sim::Range;
@@ -135,28 +140,30 @@ struct TrainConfig {
     threelink_sim::visit_section("update", self.update, visit);
   }
 
-  // Throws ConfigError that names key, value and bound.
+  /// Throws ConfigError that names key, value and bound.
   void validate() const;
 
-  // What the critic is to be shown.
+  /// Observation of the critic.
   threelink_sim::ObservationKind critic_observation() const {
     return goal.has_target() ? threelink_sim::ObservationKind::kTarget
                              : threelink_sim::ObservationKind::kDirection;
   }
-  // Number of updates; the last one has fewer episodes if M does not divide N_E.
+  /// Number of updates; the last one has fewer episodes if M does not divide N_E.
   std::uint32_t updates() const { return (episodes + update.episodes - 1) / update.episodes; }
 };
 
-// Reads YAML that holds every key, no other, each once and of its type, and validates it. What
-// other programs would take for text is no number: quotes, and 1e-3 without its point (YAML 1.1).
-// Throws ConfigError; for an unknown key it names the nearest known one.
+/// Reads and validates a YAML file that holds every key once, and no other. Values that other
+/// programs would read as text are not numbers: values in quotes, and 1e-3 without a decimal point
+/// (YAML 1.1). Throws ConfigError, which names the nearest known key for an unknown one.
 TrainConfig load_train_config(const std::string& path);
+/// The same for text. source: its name in messages.
 TrainConfig parse_train_config(const std::string& yaml, const std::string& source);
 
-// The YAML that parse_train_config() reads back to the same configuration.
+/// YAML that parse_train_config() reads back to the same configuration.
 std::string to_yaml(const TrainConfig& config);
 
-// The first key in which two configurations differ, with both values as to_yaml() writes them.
+/// The first key in which two configurations differ, with both values as to_yaml() writes them;
+/// empty if they are equal.
 std::optional<threelink_sim::FieldDifference> first_difference(const TrainConfig& a,
                                                                const TrainConfig& b);
 

@@ -1,4 +1,5 @@
-// Proximal policy optimisation of the swimmer's policy.
+/// @file
+/// Proximal policy optimisation of the swimmer's policy.
 #pragma once
 
 #include <cstdint>
@@ -18,81 +19,83 @@
 
 namespace threelink_agent {
 
-// A training that cannot go on; what() gives the reason.
+/// Error for a training that cannot continue. what() gives the reason.
 class TrainingError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// So many updates in a row may be poisoned; see Trainer::update().
+/// Number of consecutive non-finite updates that end a training; see Trainer::update().
 constexpr std::uint32_t kMostPoisonedInARow = 5;
 
-// What one update did.
+/// Report of one update.
 struct UpdateReport {
-  std::uint32_t update = 0;    // updates done
-  std::uint32_t episodes = 0;  // episodes done
-  std::uint64_t steps = 0;     // environment steps done
-  double mean_return = 0;      // of the update's episodes, with exploration noise
+  std::uint32_t update = 0;    ///< updates done
+  std::uint32_t episodes = 0;  ///< episodes done
+  std::uint64_t steps = 0;     ///< environment steps done
+  double mean_return = 0;      ///< mean over the update's episodes, with exploration noise
   UpdateStatistics statistics;
-  double entropy = 0;  // of the policy that played the episodes, summed over hinges
-  double std = 0;      // [1/T0] of its noise, mean over hinges
+  double entropy = 0;  ///< entropy of the policy that played the episodes, summed over hinges
+  double std = 0;      ///< [1/T0] standard deviation of its noise, mean over hinges
   LearningRates rates;
-  // Of the mean action after the update, when it was due; without random starts (trials = 0) where
-  // the straight ones showed that this is not the best policy.
+  /// Evaluation of the mean action after the update, if one was due. It has no random starts
+  /// (trials = 0) if the straight ones showed that this is not the best policy.
   std::optional<Evaluation> evaluation;
-  std::string poison;          // what was not finite in this update; empty if all was well
-  std::uint32_t poisoned = 0;  // updates so far that were thrown away
+  std::string poison;          ///< quantity that was not finite in this update; empty if all were
+  std::uint32_t poisoned = 0;  ///< updates discarded so far
 };
 
-// A policy that was kept, with its score.
+/// The best policy so far, with its score.
 struct BestPolicy {
   Policy policy;
   double score;
 };
 
-// Everything that the rest of a training depends on, beside its configuration. Random numbers are
-// keyed by (seed, use, episode or update, step), so that there is no state of a generator.
+/// Everything beside the configuration that determines the rest of a training. Random numbers are
+/// keyed by (seed, use, episode or update, step), so that there is no generator state.
 struct TrainerState {
-  std::uint32_t update = 0;  // updates done
+  std::uint32_t update = 0;  ///< updates done
   LearnerState learner;
   std::optional<BestPolicy> best;
-  std::uint32_t poisoned = 0;           // updates thrown away
-  std::uint32_t poisoned_in_a_row = 0;  // the last ones of them
+  std::uint32_t poisoned = 0;           ///< updates discarded
+  std::uint32_t poisoned_in_a_row = 0;  ///< consecutive ones at the end
 };
 
-// The training, one update at a time:
-//
-//   Trainer trainer(config, make_ppo_update(backend, config, threads),
-//                   std::make_unique<LocalRollouts>(threads));
-//   while (!trainer.finished()) report(trainer.update());
-//   trainer.best()->save(...);
-//
-// The result depends on the configuration alone (seed included), not on the number of threads.
+/// A training, one update at a time:
+///
+///   Trainer trainer(config, make_ppo_update(backend, config, threads),
+///                   std::make_unique<LocalRollouts>(threads));
+///   while (!trainer.finished()) report(trainer.update());
+///   trainer.best()->save(...);
+///
+/// The result depends only on the configuration (seed included), not on the number of threads.
 class Trainer {
  public:
-  // Throws ConfigError. `ppo` was made for the same configuration.
+  /// Throws ConfigError. `ppo` must have been made for the same configuration.
   Trainer(const TrainConfig& config, std::unique_ptr<PpoUpdate> ppo,
           std::unique_ptr<RolloutSource> source = std::make_unique<LocalRollouts>(1));
 
-  // Goes on from a state() of the same configuration, to the same bits.
+  /// Continues from a state() of the same configuration, with the same bits.
   Trainer(const TrainConfig& config, std::unique_ptr<PpoUpdate> ppo,
           std::unique_ptr<RolloutSource> source, TrainerState state);
 
   const TrainConfig& config() const { return config_; }
   bool finished() const { return state_.update == config_.updates(); }
 
-  // Rolls out the next episodes, updates the networks, evaluates if it is due or the last.
-  //
-  // If a number of the rollout, the advantages, the losses or the new parameters is not finite, the
-  // networks and their optimisers stay as they were, and the report says so; kMostPoisonedInARow
-  // such updates throw TrainingError. If the source of rollouts throws, all stays as it was.
+  /// Plays the next episodes, updates the networks, and evaluates the policy if this is due or the
+  /// last update.
+  ///
+  /// If a number of the rollout, the advantages, the losses or the new parameters is not finite,
+  /// the networks and their optimisers keep their state, and the report names the quantity;
+  /// kMostPoisonedInARow consecutive updates of this kind throw TrainingError. If the source of
+  /// rollouts throws, the state does not change.
   UpdateReport update();
 
-  // The present policy.
+  /// The current policy.
   Policy policy() const;
-  // The one that evaluated best so far; null before the first evaluation. With a target it
-  // is the last one that was evaluated: what an evaluation of bearable length tells of the way to
-  // points is mostly chance, and towards the end the learning rates fall to nothing.
+  /// The policy with the best evaluation so far; null before the first evaluation. If the goal has
+  /// a target, it is the last evaluated policy: an evaluation of affordable length measures the
+  /// ability to reach points mostly by chance, and the learning rates fall to 0 towards the end.
   const Policy* best() const { return state_.best ? &state_.best->policy : nullptr; }
 
   const TrainerState& state() const { return state_; }
@@ -100,11 +103,11 @@ class Trainer {
  private:
   Rollout play_or_restore(const Play& play, int episodes);
   Advantages advantages(const Rollout& rollout) const;
-  // Updates the networks, and state_.learner with them unless something was not finite, which it
-  // returns.
+  /// Updates the networks, and state_.learner if all numbers are finite; otherwise returns the name
+  /// of the quantity that is not.
   std::string learn(const Rollout& rollout, const LearningRates& rates,
                     UpdateStatistics& statistics);
-  // Of the present policy, which becomes the best one if it is.
+  /// Evaluates the current policy and keeps it if it is the best.
   Evaluation evaluate_present();
 
   TrainConfig config_;
@@ -113,14 +116,15 @@ class Trainer {
   TrainerState state_;
 };
 
-// How policies are ranked: what training maximises, per unit of time and over b, v - c P / b with v
-// [L/T0] the speed and P [C_perp L^3/T0^2] the mean power of the steady stroke, averaged over the
-// straight starts ...
+/// The quantity that training maximises, per unit of time and divided by b: v - c P / b [L/T0],
+/// with v [L/T0] the speed and P [C_perp L^3/T0^2] the mean power of the steady stroke, averaged
+/// over the straight starts.
 double objective(const Evaluation& evaluation, const threelink_sim::EnvironmentConfig& environment);
-// ... times the rate of success from the random ones, where a policy can be stuck.
+/// The rank of a policy: objective() times the success rate from the random starts, where a policy
+/// can be stuck.
 double score(const Evaluation& evaluation, const threelink_sim::EnvironmentConfig& environment);
 
-// The metadata of a policy of this training, its configuration included.
+/// The metadata of a policy of this training, its configuration included.
 PolicyMetadata policy_metadata(const TrainConfig& config);
 
 }  // namespace threelink_agent

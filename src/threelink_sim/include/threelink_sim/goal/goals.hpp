@@ -1,14 +1,15 @@
-// What the swimmers of a training are to do, and what they earn by it.
-//
-//   direction  on and on towards theta_T = 0, from a random start. A step earns the environment's
-//              reward, b dx.p - c W; nothing is captured.
-//   points     points at random distances, one after the other, from a random start
-//              (points_goal.cpp).
-//   a task     any task of task_factory.hpp, over and over within an episode (task_goal.cpp).
-//
-// Where there is a target, a step earns b (r_k - r_{k+1}) - c W with r the distance to where the
-// target was in state k, and a bonus on the capture. That is an end: the return is cut there, as
-// nothing of the future depends on the action.
+/// @file
+/// The goals of a training and their rewards.
+///
+///   direction  swim towards theta_T = 0 from a random start. A step earns the environment's
+///              reward, b dx.p - c W; nothing is captured.
+///   points     points at random distances, one after the other, from a random start
+///              (points_goal.cpp).
+///   a task     any task of task_factory.hpp, repeated within an episode (task_goal.cpp).
+///
+/// With a target, a step earns b (r_k - r_{k+1}) - c W, where r is the distance to the target's
+/// position in state k, and a bonus for a capture. A capture ends the return, because what follows
+/// is the path to another target.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +22,7 @@
 
 namespace threelink_sim {
 
+/// Points to reach one after the other.
 struct PointsGoal {
   double direction_share = 0;
   double nearest = 0;
@@ -40,12 +42,13 @@ struct PointsGoal {
   }
 };
 
+/// A task to play repeatedly.
 struct TaskGoal {
-  std::string task;  // its name
+  std::string task;  ///< name of the task
   double bonus = 0;
   double v_m = 0;
   bool random_start = false;
-  FieldTexts parameters;  // of the task: names, and values as YAML
+  FieldTexts parameters;  ///< parameters of the task: names, and values as YAML
 
   template <class Self, class Visit>
   static void fields(Self& self, Visit&& visit) {
@@ -57,13 +60,13 @@ struct TaskGoal {
   }
 };
 
-// Neither of them: a direction.
+/// The goal: points, a task, or, with neither, a direction.
 struct GoalConfig {
   std::optional<PointsGoal> points;
   std::optional<TaskGoal> task;
 
   std::string kind() const { return points ? "points" : task ? task->task : "direction"; }
-  // Whether there is a target at a distance, of which only ObservationKind::kTarget tells.
+  /// Whether there is a target at a finite distance, which only ObservationKind::kTarget shows.
   bool has_target() const { return points || task; }
 
   template <class Self, class Visit>
@@ -75,22 +78,23 @@ struct GoalConfig {
   }
 };
 
-// Of a section `goal` of a file; the caller calls finish(). Throws ParameterError, and UsageError
-// that names the nearest task if there is none of that name.
+/// Reads the section `goal` of a file; the caller calls finish(). Throws ParameterError, and
+/// UsageError that names the nearest known task for an unknown name.
 GoalConfig read_goal(ParameterMap& section, double dt);
 
-// The goals of episodes first .. first + lanes - 1 in the lanes of an environment. What is random
-// is keyed by (seed, episode, step): an episode does not depend on its company.
+/// The goals of episodes first .. first + lanes - 1 in the lanes of an environment. Random numbers
+/// are keyed by (seed, episode, step): an episode does not depend on the others.
 class Goals {
  public:
   virtual ~Goals() = default;
 
-  // After step k of all lanes, and before state k + 1 is observed: rewards (lanes) of the step, and
-  // whether it ended in a capture (0 or 1).
+  /// Must be called after step k of all lanes and before state k + 1 is observed. Writes the
+  /// rewards (lanes) of the step, and for each lane whether the step ended in a capture (0 or 1).
   virtual void after_step(std::uint32_t k, float* rewards, std::uint8_t* captured) = 0;
 };
 
-// Puts the swimmers to their starts, and aims them. `environment` must outlive it.
+/// Places the swimmers at their starts and sets their targets. `environment` must outlive the
+/// result.
 std::unique_ptr<Goals> make_goals(const GoalConfig& config, std::uint64_t seed,
                                   std::uint32_t first_episode, Environment& environment);
 

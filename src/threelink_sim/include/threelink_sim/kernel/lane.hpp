@@ -1,15 +1,19 @@
-// Lanes: the arithmetic in which the physics and the networks are written once.
-//
-// A function template over a lane type works on one sample (`double`, `float`) or on a SIMD pack of
-// them, and gives the same bits for each sample either way: packs only add, subtract, multiply,
-// divide, compare and fuse element by element, fusing is explicit (`fma`) and the compiler is told
-// not to fuse on its own (-ffp-contract=off), and sine, cosine, logarithm and tanh are our own.
-//
-// This header is compiled once for each instruction set, inside a namespace of that name, so that
-// no function built for AVX-512 can be linked into code that runs without it. For the same reason
-// it uses nothing of the standard library.
-//
-// Before including it, define THREELINK_ISA as baseline, avx2 or avx512 (kernel files only).
+/// @file
+/// Lanes: the arithmetic of the physics and the networks, which are written once for all lane
+/// types.
+///
+///
+/// A function template over a lane type works on one sample (`double`, `float`) or on a SIMD pack
+/// of them, and gives the same bits for each sample in both cases: packs only add, subtract,
+/// multiply, divide, compare and fuse element by element, fusing is explicit (`fma`) and the
+/// compiler is told not to fuse on its own (-ffp-contract=off), and sine, cosine, logarithm and
+/// tanh are implemented here.
+///
+/// This header is compiled once for each instruction set, inside a namespace of that name, so that
+/// no function built for AVX-512 can be linked into code that runs without it. For the same reason
+/// it uses nothing of the standard library.
+///
+/// Before including it, define THREELINK_ISA as baseline, avx2 or avx512 (kernel files only).
 #pragma once
 
 #if !defined(THREELINK_ISA)
@@ -23,7 +27,8 @@
 namespace threelink_sim {
 namespace THREELINK_ISA {
 
-// Bytes in a SIMD register.
+/// @var kRegister
+/// Bytes in a SIMD register.
 #if defined(__AVX512F__)
 constexpr int kRegister = 64;
 #elif defined(__AVX2__)
@@ -37,7 +42,8 @@ typedef float FloatPack __attribute__((vector_size(kRegister)));
 typedef long long LongPack __attribute__((vector_size(kRegister)));
 typedef int IntPack __attribute__((vector_size(kRegister)));
 
-// For what would leave most of a register empty. Either is the FloatPack where that is as narrow.
+/// Narrow packs, for small numbers of components that would leave most of a register empty. A
+/// narrow pack is the FloatPack itself if that is not wider.
 typedef float QuadPack __attribute__((vector_size(16)));
 #if defined(__AVX2__)
 typedef float OctPack __attribute__((vector_size(32)));
@@ -45,26 +51,31 @@ typedef float OctPack __attribute__((vector_size(32)));
 typedef QuadPack OctPack;
 #endif
 
+/// Scalar type, integer type of the same size, and number of lanes of a lane type.
 template <class R>
 struct LaneTraits;
+/// A single double.
 template <>
 struct LaneTraits<double> {
   using Scalar = double;
   using Int = long long;
   static constexpr int kWidth = 1;
 };
+/// A single float.
 template <>
 struct LaneTraits<float> {
   using Scalar = float;
   using Int = int;
   static constexpr int kWidth = 1;
 };
+/// A register of doubles.
 template <>
 struct LaneTraits<DoublePack> {
   using Scalar = double;
   using Int = LongPack;
   static constexpr int kWidth = kRegister / 8;
 };
+/// A register of floats.
 template <>
 struct LaneTraits<FloatPack> {
   using Scalar = float;
@@ -72,6 +83,7 @@ struct LaneTraits<FloatPack> {
   static constexpr int kWidth = kRegister / 4;
 };
 #if defined(__AVX2__)
+/// Four floats.
 template <>
 struct LaneTraits<QuadPack> {
   using Scalar = float;
@@ -80,6 +92,7 @@ struct LaneTraits<QuadPack> {
 };
 #endif
 #if defined(__AVX512F__)
+/// Eight floats.
 template <>
 struct LaneTraits<OctPack> {
   using Scalar = float;
@@ -88,6 +101,7 @@ struct LaneTraits<OctPack> {
 };
 #endif
 
+/// Integers of the same size as the lanes of R.
 template <class R>
 using Int = typename LaneTraits<R>::Int;
 
@@ -122,6 +136,7 @@ inline R fma(R a, R b, R c) {
 }
 #endif
 
+/// Square root of each lane.
 inline double sqrt(double x) { return __builtin_sqrt(x); }
 inline float sqrt(float x) { return __builtin_sqrtf(x); }
 #if defined(__AVX512F__)
@@ -140,19 +155,19 @@ inline FloatPack sqrt(FloatPack x) {
 }
 #endif
 
-// The same value in every lane.
+/// A pack with the same value in every lane.
 template <class R>
 inline R all(typename LaneTraits<R>::Scalar value) {
   return value - R{};
 }
 
-// mask ? a : b, lane by lane. The mask is what a comparison of two lanes gives.
+/// mask ? a : b for each lane. The mask is the result of a comparison.
 template <class Mask, class R>
 inline R select(Mask mask, R a, R b) {
   return mask ? a : b;
 }
 
-// The smaller and the larger of two floats; x if either is NaN.
+/// The smaller and the larger of two floats; x if either is NaN.
 inline float min(float bound, float x) { return bound < x ? bound : x; }
 inline float max(float bound, float x) { return bound > x ? bound : x; }
 #if defined(__x86_64__)
@@ -183,6 +198,7 @@ inline QuadPack min(QuadPack bound, QuadPack x) { return bound < x ? bound : x; 
 inline QuadPack max(QuadPack bound, QuadPack x) { return bound > x ? bound : x; }
 #endif
 
+/// Loads a lane from unaligned memory.
 template <class R, class Scalar>
 inline R load(const Scalar* from) {
   R value;
@@ -190,18 +206,20 @@ inline R load(const Scalar* from) {
   return value;
 }
 
+/// Stores a lane to unaligned memory.
 template <class R, class Scalar>
 inline void store(R value, Scalar* to) {
   __builtin_memcpy(to, &value, sizeof(R));
 }
 
-// The bits of a lane, and back.
+/// The bits of a lane as integers.
 template <class R>
 inline Int<R> bits(R value) {
   Int<R> result;
   __builtin_memcpy(&result, &value, sizeof(R));
   return result;
 }
+/// The lane with these bits; the inverse of bits().
 template <class R>
 inline R from_bits(Int<R> value) {
   R result;
@@ -209,8 +227,8 @@ inline R from_bits(Int<R> value) {
   return result;
 }
 
-// The bits of a whole number moved to the left. C++17 leaves `<<` undefined where a sign bit is
-// lost, for a number; for a pack, the compiler defines it.
+/// The bits of a whole number moved to the left. C++17 leaves `<<` undefined where a sign bit is
+/// lost, for a number; for a pack, the compiler defines it.
 inline long long shift_left(long long value, int by) {
   return (long long)((unsigned long long)value << by);
 }
@@ -220,11 +238,11 @@ inline Pack shift_left(Pack value, int by) {
   return value << by;
 }
 
-// Sine and cosine of a double lane: error < 2.3e-16 for |x| < 1e5.
-//
-// Cody and Waite: x = k pi/2 + r, |r| <= pi/4, with pi/2 in two parts of which the first is short
-// enough for k times it to be exact; then the minimax polynomials of fdlibm (k_sin.c, k_cos.c) in
-// r^2, and the quadrant k mod 4 swaps and signs them.
+/// Sine and cosine of a double lane: error < 2.3e-16 for |x| < 1e5.
+///
+/// Cody and Waite: x = k pi/2 + r, |r| <= pi/4, with pi/2 in two parts of which the first is short
+/// enough for k times it to be exact; then the minimax polynomials of fdlibm (k_sin.c, k_cos.c) in
+/// r^2, and the quadrant k mod 4 swaps and signs them.
 template <class R>
 inline void sincos(R x, R& sine, R& cosine) {
   const R magic = all<R>(0x1.8p52);  // adding it rounds to the nearest integer
@@ -253,7 +271,7 @@ inline void sincos(R x, R& sine, R& cosine) {
   cosine = from_bits<R>(bits(select(odd, s, c)) ^ sign_of_cosine);
 }
 
-// Sine and cosine for |x| <= 0.3, by their Taylor series: error < 5e-14 at 0.3, < 2e-17 at 0.1.
+/// Sine and cosine for |x| <= 0.3, by their Taylor series: error < 5e-14 at 0.3, < 2e-17 at 0.1.
 template <class R>
 inline void small_sincos(R x, R& sine, R& cosine) {
   const R z = x * x;
@@ -267,8 +285,8 @@ inline void small_sincos(R x, R& sine, R& cosine) {
   cosine = fma(z, q, all<R>(1.0));
 }
 
-// Natural logarithm of a positive, normal double lane, within 1 ulp or so (fdlibm, e_log.c):
-// x = 2^k (1 + f), s = f / (2 + f), log(1 + f) = f - f^2/2 + s (f^2/2 + R(s^2)).
+/// Natural logarithm of a positive, normal double lane, within about 1 ulp (fdlibm, e_log.c):
+/// x = 2^k (1 + f), s = f / (2 + f), log(1 + f) = f - f^2/2 + s (f^2/2 + R(s^2)).
 template <class R>
 inline R log(R x) {
   // Shifting by the offset of sqrt(1/2) puts 1 + f between sqrt(1/2) and sqrt(2).
@@ -291,8 +309,8 @@ inline R log(R x) {
   return fma(k, all<R>(6.93147180369123816490e-01), f - (half_square - low));
 }
 
-// Exponential of a double lane, |x| < 700, within 1 ulp or so (fdlibm, e_exp.c): x = k ln 2 + r,
-// |r| <= ln 2 / 2, c = r - r^2 P(r^2), exp x = 2^k (1 + r + r c / (2 - c)).
+/// Exponential of a double lane, |x| < 700, within about 1 ulp (fdlibm, e_exp.c): x = k ln 2 + r,
+/// |r| <= ln 2 / 2, c = r - r^2 P(r^2), exp x = 2^k (1 + r + r c / (2 - c)).
 template <class R>
 inline R exp(R x) {
   const R magic = all<R>(0x1.8p52);  // adding it rounds to the nearest integer

@@ -1,17 +1,19 @@
-// A bound on what one message may allocate: 48 bytes can claim an array of gigabytes, which roscpp
-// would allocate, and fill with zeros, before it notices that the array's numbers are missing.
-//
-// A limit of the whole process (setrlimit) would be the wrong tool: roscpp's network thread, which
-// allocates what the length of a message promises, does not survive a bad_alloc.
+/// @file
+/// A bound on the memory that a message may allocate. A message of 48 bytes can announce an array
+/// of gigabytes, which roscpp would allocate and fill with zeros before it notices that the
+/// elements are missing.
+///
+/// A limit of the whole process (setrlimit) is not suitable: roscpp's network thread, which
+/// allocates the announced length of a message, does not survive a bad_alloc.
 #pragma once
 
 #include <cstddef>
 
 namespace threelink_sim {
 
-// While it lives, operator new throws std::bad_alloc in this thread for anything above `largest`
-// bytes. They nest; the smallest one counts. Without effect in programs built with a sanitizer,
-// which brings its own operator new.
+/// During its lifetime operator new throws std::bad_alloc in this thread for more than `largest`
+/// bytes. Limits can be nested; the smallest one applies. It has no effect in programs built with a
+/// sanitizer, which has its own operator new.
 class AllocationLimit {
  public:
   explicit AllocationLimit(std::size_t largest);

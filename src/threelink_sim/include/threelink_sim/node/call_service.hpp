@@ -1,5 +1,6 @@
-// Calls of services whose server may hang: roscpp waits for an answer without end, unless the
-// connection breaks.
+/// @file
+/// Calls of services with a time limit: roscpp itself waits for an answer forever, unless the
+/// connection breaks.
 #pragma once
 
 #include <chrono>
@@ -11,10 +12,11 @@
 
 namespace threelink_sim {
 
+/// Result of a call.
 enum class Called { kAnswered, kFailed, kTooLate, kEnding };
 
-// Gives up after so many seconds of wall time, and when the node has to end; `client` is then of no
-// use any more.
+/// Calls a service. Gives up after `seconds` of wall time or when the node has to end; `client` can
+/// then no longer be used.
 template <class Service>
 Called call_service(ros::ServiceClient& client, Service& service, double seconds) {
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,6 @@
-// From the swimmer's state to messages. threelink_msgs/SwimmerState holds all that is known of a
-// state, without units of measure; the standard messages follow from it, in SI units (REP-103).
+/// @file
+/// Conversion of the swimmer's state to messages. threelink_msgs/SwimmerState holds the complete
+/// state in dimensionless units; the standard messages are derived from it in SI units (REP-103).
 #pragma once
 
 #include <geometry_msgs/PoseStamped.h>
@@ -13,39 +14,41 @@
 
 namespace threelink_sim {
 
-// What the units of the paper measure.
+/// SI values of the paper's units.
 struct Scales {
-  double length = 1.0;  // [m] of one L
-  double time = 1.0;    // [s] of one T0
+  double length = 1.0;  ///< [m] of one L
+  double time = 1.0;    ///< [s] of one T0
 };
 
-// Whether a state that came by a topic can be used: one link more than hinges, at most kMaxLinks, a
-// rate for each hinge or none, and nothing but finite numbers.
+/// Whether a received state is valid: one link more than hinges, at most kMaxLinks, a rate for each
+/// hinge or none, and only finite numbers.
 bool well_formed(const threelink_msgs::SwimmerState& state);
 
-// Fills all but header, episode and step, unrounded: the state can be read back to the bit.
+/// Fills all fields but header, episode and step without rounding, so that the state can be read
+/// back to the bit.
 void to_message(const Model& model, const StepRecord& record, threelink_msgs::SwimmerState& out);
-// Likewise, of an environment of one lane.
+/// Likewise, for an environment of one lane.
 void to_message(const Environment& environment, const StepRecord& record,
                 threelink_msgs::WorldState& out);
-// Fills all but header, episode and step with what is observed in an environment of one lane.
+/// Fills all fields but header, episode and step with the observation of an environment of one
+/// lane.
 void to_message(const Environment& environment, threelink_msgs::Observation& out);
 
-// Each fills all of `out`, the stamp included; `out` may be used again and again.
-// Joints hinge_1 .. hinge_{N-1}: [rad], [rad/s].
+/// Fills all of `out`, including the stamp; `out` may be reused. Joints hinge_1 .. hinge_{N-1}:
+/// [rad], [rad/s].
 void to_joint_state(const threelink_msgs::SwimmerState& state, const Scales& scales,
                     sensor_msgs::JointState& out);
-// Centroid [m] and orientation of the heading link, in `world`.
+/// Centroid [m] and orientation of the heading link, in `world`.
 void to_pose(const threelink_msgs::SwimmerState& state, const Scales& scales,
              geometry_msgs::PoseStamped& out);
-// world -> base_link: midpoint [m] and orientation of the heading link.
+/// world -> base_link: midpoint [m] and orientation of the heading link.
 void to_transform(const threelink_msgs::SwimmerState& state, const Scales& scales,
                   geometry_msgs::TransformStamped& out);
 
-// [L] midpoint of link i, from 0.
+/// [L] midpoint of link i, from 0.
 Eigen::Vector2d link_midpoint(const threelink_msgs::SwimmerState& state, int i);
 
-// Rotation by an angle [rad] about z.
+/// Rotation by an angle [rad] about z.
 geometry_msgs::Quaternion yaw_quaternion(double angle);
 
 }  // namespace threelink_sim

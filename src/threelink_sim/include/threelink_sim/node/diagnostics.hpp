@@ -1,4 +1,5 @@
-// A node's health on /diagnostics, once a second by the wall clock, whatever /clock does.
+/// @file
+/// The state of a node on /diagnostics, once a second of wall time, independent of /clock.
 #pragma once
 
 #include <atomic>
@@ -15,24 +16,25 @@
 
 namespace threelink_sim {
 
+/// Publishes the level, values and counters of a node.
 class Diagnostics {
  public:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
 
-  // Adds the node's own values and its level: `seconds` is the wall time since the last report.
+  /// Adds the node's own values and its level: `seconds` is the wall time since the last report.
   using Report = std::function<void(Status& status, double seconds)>;
 
-  // The status is named "NODE: title". Everything runs in the global callback queue.
+  /// The status is named "NODE: title". Everything runs in the global callback queue.
   Diagnostics(const std::string& title, const std::string& hardware_id, Report report);
 
-  // Shown under its name, zero at first; to be counted up from any thread.
+  /// A counter that is shown under its name; initially zero. May be increased from any thread.
   using Counter = std::atomic<std::uint64_t>;
-  // Stays valid as long as this object; the same one for the same name.
+  /// The counter of that name. The reference is valid as long as this object.
   Counter& counter(const std::string& name);
-  // The same, and a WARN whenever it has grown since the last report.
+  /// A counter that also sets the level WARN whenever it has grown since the last report.
   Counter& refusals(const std::string& name);
 
-  // Publishes now; for the last words before the node ends.
+  /// Publishes immediately, for the last report before the node ends.
   void publish() { updater_.force_update(); }
 
  private:
@@ -48,7 +50,7 @@ class Diagnostics {
   void update(Status& status);
 
   Report report_;
-  Mutex mutex_;  // of the entries: a node may still be under construction
+  Mutex mutex_;  ///< guards the entries, since a node may still be under construction
   std::deque<Entry> entries_ GUARDED_BY(mutex_);
   ros::SteadyTime last_;
   diagnostic_updater::Updater updater_;

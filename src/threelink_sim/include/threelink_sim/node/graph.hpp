@@ -1,4 +1,5 @@
-// Who is on the graph, as the master and the nodes themselves say.
+/// @file
+/// Queries of the ROS graph at the master and at nodes.
 #pragma once
 
 #include <string>
@@ -6,20 +7,21 @@
 
 namespace threelink_sim {
 
-// Names of the nodes that publish a topic, or offer a service; empty if the master does not answer.
+/// Names of the nodes that publish a topic; empty if the master does not answer.
 std::vector<std::string> publishers_of(const std::string& topic);
+/// Names of the nodes that offer a service; empty if the master does not answer.
 std::vector<std::string> providers_of(const std::string& service);
 
-// The one node that offers a service and publishes a topic as well; empty if there is none. It is
-// the simulator, or a robot, where the service is `reset`: others on the topic are strangers.
+/// The one node that both offers a service and publishes a topic; empty if there is none. For the
+/// service `reset` it is the simulator or a robot; other publishers of the topic are not trusted.
 std::string node_behind(const std::string& service, const std::string& topic);
 
-// What a publisher says of its topic when one connects to it.
+/// Type of a topic as its publisher reports it on connection.
 struct TopicType {
-  std::string datatype;  // empty: it did not say
+  std::string datatype;  ///< empty if it did not answer
   std::string md5sum;
 };
-// Asks the node itself, and gives up after a second.
+/// Asks the node itself and gives up after one second.
 TopicType type_at_publisher(const std::string& node, const std::string& topic);
 
 }  // namespace threelink_sim

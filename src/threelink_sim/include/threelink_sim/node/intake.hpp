@@ -1,5 +1,6 @@
-// How messages and service calls come into a node: whoever sends them, none may cost more than its
-// own length, and what is no message of the topic's type is counted, and told at times.
+/// @file
+/// Reception of messages and service calls: the memory of each is bounded by its length whoever
+/// sends it, and malformed messages are counted and logged at a limited rate.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +19,15 @@
 
 namespace threelink_sim {
 
-// [bytes] of a message, at most.
+/// Largest sizes of messages [bytes].
 namespace message_size {
-constexpr std::size_t kSmall = std::size_t{1} << 20;   // states, observations, rates, texts
-constexpr std::size_t kFile = std::size_t{64} << 20;   // policies
-constexpr std::size_t kArrays = std::size_t{1} << 30;  // batches of episodes; roscpp takes no more
+constexpr std::size_t kSmall = std::size_t{1} << 20;   ///< states, observations, rates, texts
+constexpr std::size_t kFile = std::size_t{64} << 20;   ///< policies
+constexpr std::size_t kArrays = std::size_t{1} << 30;  ///< batches of episodes; roscpp's limit
 }  // namespace message_size
 
-// What a topic or a service lets in. Counts as "NAME refused: malformed", where there are
-// diagnostics.
+/// The filter of a topic or a service. Refusals are counted as "NAME refused: malformed" if there
+/// are diagnostics.
 class Intake {
  public:
   Intake(const std::string& name, std::size_t most_bytes, Diagnostics* diagnostics)
@@ -34,7 +35,7 @@ class Intake {
         most_bytes_(most_bytes),
         malformed_(diagnostics ? &diagnostics->refusals(name + " refused: malformed") : nullptr) {}
 
-  // Calls read(), which deserialises so many bytes of a sender; false if they are refused.
+  /// Calls read(), which deserialises `bytes` bytes of a sender. Returns false if they are refused.
   template <class Read>
   bool take(std::size_t bytes, const boost::shared_ptr<ros::M_string>& header, Read read) {
     if (bytes > most_bytes_) {
@@ -52,9 +53,9 @@ class Intake {
   }
 
  private:
-  // [bytes] No array takes more room than this many times its own bytes in the message: the least
-  // that an element can have there, an empty string's length, is 4 bytes, and the largest structure
-  // of our messages 400.
+  /// [bytes] An array in memory is at most kTimes as large as its bytes in the message: the
+  /// smallest element there, the length of an empty string, has 4 bytes, and the largest structure
+  /// of threelink_msgs has 400.
   static constexpr std::size_t kTimes = 100, kAlways = 4096;
 
   void refuse(std::size_t bytes, const boost::shared_ptr<ros::M_string>& header,
@@ -66,6 +67,7 @@ class Intake {
   QuietLog log_;
 };
 
+/// Deserialises the messages of a topic through an Intake.
 template <class Message>
 class IntakeOfTopic
     : public ros::SubscriptionCallbackHelperT<const ros::MessageEvent<Message const>&> {
@@ -88,6 +90,7 @@ class IntakeOfTopic
   Intake intake_;
 };
 
+/// Deserialises the requests of a service through an Intake.
 template <class Service>
 class IntakeOfService : public ros::ServiceCallbackHelper {
  public:
@@ -117,8 +120,9 @@ class IntakeOfService : public ros::ServiceCallbackHelper {
   Intake intake_;
 };
 
-// Both are as those of the node handle, in whose queue the callbacks run; `diagnostics`, if there
-// are any, must live as long. Publishers of another type are told (peer_types.hpp).
+/// Subscribes like the method of the node handle, in whose queue the callbacks run. `diagnostics`,
+/// if not null, must outlive the subscriber. Publishers with another type are reported
+/// (peer_types.hpp).
 template <class Message>
 ros::Subscriber subscribe(ros::NodeHandle& node, const std::string& topic, std::uint32_t queue,
                           std::size_t most_bytes, Diagnostics* diagnostics,
@@ -136,6 +140,8 @@ ros::Subscriber subscribe(ros::NodeHandle& node, const std::string& topic, std::
   return node.subscribe(options);
 }
 
+/// Advertises a service like the method of the node handle. `diagnostics`, if not null, must
+/// outlive the server.
 template <class Service>
 ros::ServiceServer advertise_service(ros::NodeHandle& node, const std::string& name,
                                      std::size_t most_bytes, Diagnostics* diagnostics,
@@ -151,11 +157,11 @@ ros::ServiceServer advertise_service(ros::NodeHandle& node, const std::string& n
   return node.advertiseService(options);
 }
 
-// The one node whose messages on a topic count: the one that is expected, or else the first whose
-// message was good.
+/// The only node whose messages on a topic are accepted: the expected node, or else the first with
+/// a valid message.
 class Peer {
  public:
-  void expect(const std::string& node) { node_ = node; }  // "": whoever is first
+  void expect(const std::string& node) { node_ = node; }  ///< "": the first sender
   bool may_be(const std::string& node) const { return node_.empty() || node_ == node; }
   void is(const std::string& node) {
     if (node_.empty()) node_ = node;

@@ -1,4 +1,5 @@
-// A node's private parameters, read strictly.
+/// @file
+/// Strict reading of a node's private parameters.
 #pragma once
 
 #include <string>
@@ -11,11 +12,12 @@
 
 namespace threelink_sim {
 
+/// A ParameterMap of ROS parameters.
 class Parameters : public ParameterMap {
  public:
-  // Reads all private parameters of this node at once.
+  /// Reads all private parameters of this node at once.
   explicit Parameters(const ros::NodeHandle& private_handle);
-  // From a struct of values; `scope` is what their names begin with in messages.
+  /// Reads a struct of values; `scope` is the prefix of their names in messages.
   Parameters(const std::string& scope, const XmlRpc::XmlRpcValue& values);
 };
 

@@ -1,5 +1,6 @@
-// Publishers of another type than this node takes: roscpp refuses their connection without a word,
-// and the node would wait for them without knowing why.
+/// @file
+/// Detection of publishers with another type than this node subscribes to. roscpp refuses their
+/// connection silently, and the node would wait for them without a message.
 #pragma once
 
 #include <memory>
@@ -9,15 +10,15 @@
 
 namespace threelink_sim {
 
-// From now on publishers of `topic`, resolved, that have another type are found.
+/// From now on, publishers of `topic` (a resolved name) with another type are detected.
 void expect_type(const std::string& topic, const TopicType& type);
 
-// "NODE publishes TOPIC as TYPE (md5sum ..), and this node takes TYPE (md5sum ..)"; empty if there
-// is none, or if the topic has a publisher of the right type.
+/// A message "NODE publishes TOPIC as TYPE (md5sum ..), and this node takes TYPE (md5sum ..)";
+/// empty if there is no such node, or if the topic has a publisher of the right type.
 std::string other_type_on(const std::string& topic);
 
-// Looks for them while it lives, every other second, in a thread of its own, on topics of which
-// this node has no publisher; and logs each once. run_node() has one.
+/// During its lifetime, looks every two seconds in a separate thread for such publishers of topics
+/// without a connected publisher, and logs each once. run_node() has one.
 class PeerTypes {
  public:
   PeerTypes();

@@ -1,4 +1,5 @@
-// Words about what others do, of which there may be thousands a second: one of a kind at a time.
+/// @file
+/// A log with a limited rate, for events of which there may be thousands per second.
 #pragma once
 
 #include <chrono>
@@ -9,8 +10,8 @@
 
 namespace threelink_sim {
 
-// Says the first at once, and then one in ten seconds of wall time, with the number of those that
-// were left out in between. Text is passed through excerpt(). For any thread.
+/// Logs the first message immediately, and then one in ten seconds of wall time with the number of
+/// suppressed ones. Text is passed through excerpt(). Thread-safe.
 class QuietLog {
  public:
   void warn(const std::string& text) { say(text, false); }

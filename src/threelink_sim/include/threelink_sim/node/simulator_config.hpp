@@ -1,4 +1,5 @@
-// The simulator node's parameters; config/swimmer.yaml is their manual.
+/// @file
+/// The parameters of the simulator node, which config/swimmer.yaml explains.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +11,10 @@
 
 namespace threelink_sim {
 
+/// The parameters.
 struct SimulatorConfig {
   EnvironmentConfig environment;
-  std::string world;  // of the environment: its file, or its text
+  std::string world;  ///< world of the environment: its file, or its text
   Scales scales;
   double realtime_factor = 1;
   double peer_timeout = 10;
@@ -34,21 +36,22 @@ struct SimulatorConfig {
     visit("display_rate", self.display_rate, Range<double>{0.1, 1e3}, "[1/s] of wall time");
   }
 
-  // Length of an action step: simulation time [s], and wall time [s], 0 without a pace.
+  /// [s] simulation time of an action step.
   double step_time() const { return environment.dt * scales.time; }
+  /// [s] wall time of an action step; 0 without a pace.
   double step_period() const { return realtime_factor > 0 ? step_time() / realtime_factor : 0; }
-  // [s] wall time: watchdog_periods of the longer of the two, so that a simulation that runs faster
-  // than real time does not trip over the jitter of the machine.
+  /// [s] wall time of the watchdog: watchdog_periods times the longer of the two, so that the
+  /// jitter of the machine does not trip it in a simulation that is faster than real time.
   double watchdog() const { return watchdog_periods * std::max(step_time(), step_period()); }
-  // [s] wall time. The simulator reports silent peers after its peer_timeout; it is silent itself
-  // if nothing has come for longer than that and than its pace explains.
+  /// [s] wall time after which the simulator counts as silent. It reports silent peers after its
+  /// peer_timeout; its own silence must exceed that time and the delay of its pace.
   double silence_limit() const { return peer_timeout + watchdog() + step_period() + 2; }
   Lockstep::Config lockstep() const;
 };
 
-// The swimmer and its action step alone. Throws ParameterError.
+/// Reads only the swimmer and its action step. Throws ParameterError.
 void read_swimmer(ParameterMap& parameters, EnvironmentConfig& config);
-// From the node's own parameters, or as they were recorded. Throws ParameterError.
+/// Reads all parameters of the node or of a recording. Throws ParameterError.
 SimulatorConfig read_simulator_config(ParameterMap& parameters);
 
 }  // namespace threelink_sim

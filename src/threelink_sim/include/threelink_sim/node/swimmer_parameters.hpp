@@ -1,5 +1,6 @@
-// What swimmer a node moves, by its parameters, so that its peers can tell: an observation does not
-// show it.
+/// @file
+/// The swimmer of a node as ROS parameters, so that its peers can compare it with theirs: an
+/// observation does not show it.
 #pragma once
 
 #include <optional>
@@ -9,12 +10,12 @@
 
 namespace threelink_sim {
 
-// Sets links, gamma, joint_limit and dt of this node to what they are, defaults too; and `world` to
-// the whole text of the world, so that nobody has to have its file.
+/// Sets the parameters links, gamma, joint_limit and dt of this node to the effective values, and
+/// `world` to the whole text of the world, so that peers do not need its file.
 void publish_swimmer_parameters(const EnvironmentConfig& config);
 
-// The swimmer that these parameters of a node tell of, by default that of config/swimmer.yaml;
-// nothing if it has none of them, as the driver of a robot. Throws ParameterError.
+/// The swimmer of a node according to these parameters, with the defaults of config/swimmer.yaml;
+/// nothing if the node has none of them, such as the driver of a robot. Throws ParameterError.
 std::optional<EnvironmentConfig> swimmer_of_node(const std::string& node);
 
 }  // namespace threelink_sim

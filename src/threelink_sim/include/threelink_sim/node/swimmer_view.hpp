@@ -1,8 +1,9 @@
-// What rviz shows of a swimmer and its target, drawn from recorded or live messages.
-//
-//   markers       visualization_msgs/MarkerArray: links (true to scale), centroid, trail (fades
-//                 with age), target, and a text: step, distance, speed, efficiency
-//   swimmer_path  nav_msgs/Path: the centroid's way since the start of the episode
+/// @file
+/// The display of a swimmer and its target in rviz, from recorded or live messages.
+///
+///   markers       visualization_msgs/MarkerArray: links (true to scale), centroid, trail (fades
+///                 with age), target, and a text: step, distance, speed, efficiency
+///   swimmer_path  nav_msgs/Path: the centroid's path since the start of the episode
 #pragma once
 
 #include <deque>
@@ -20,33 +21,36 @@
 
 namespace threelink_sim {
 
+/// Units and constants of the display.
 struct SwimmerViewConfig {
   Scales scales;
-  double dt;     // [T0] of a step
-  double gamma;  // C_parallel / C_perp, for the efficiency
+  double dt;     ///< [T0] of a step
+  double gamma;  ///< C_parallel / C_perp, for the efficiency
 };
 
+/// Collects states and publishes markers and path.
 class SwimmerView {
  public:
-  // on_viewer is called, in the node handle's queue, when somebody has subscribed: a draw() is due.
+  /// on_viewer is called in the node handle's queue when a viewer has subscribed; the owner should
+  /// then call draw().
   SwimmerView(ros::NodeHandle& node, const SwimmerViewConfig& config,
               const std::function<void()>& on_viewer);
 
-  // Every state, in its order; a new episode, or a step back in time, clears the view.
+  /// Adds a state, in order. A new episode or an earlier step clears the view.
   void add(const threelink_msgs::SwimmerState& state);
-  // The point that the swimmer is after [m].
+  /// Sets the target of the swimmer [m].
   void set_target(const Eigen::Vector2d& target) { target_ = target; }
-  // Publishes what there is; costs nothing without subscribers.
+  /// Publishes the display; does nothing without subscribers.
   void draw();
 
  private:
-  // Positions over which speed and efficiency are taken: about one period of the stroke.
+  /// Number of positions for the averages of speed and efficiency: about one period of the stroke.
   static constexpr std::size_t kWindow = 71;
-  static constexpr std::size_t kTrail = 700;  // positions
+  static constexpr std::size_t kTrail = 700;  ///< positions
 
   struct Position {
-    Eigen::Vector2d centroid;  // [L]
-    double work;               // [C_perp L^3/T0] of the step that led here
+    Eigen::Vector2d centroid;  ///< [L]
+    double work;               ///< [C_perp L^3/T0] of the step that led here
   };
 
   void clear();
@@ -57,9 +61,9 @@ class SwimmerView {
   ros::Publisher marker_publisher_, path_publisher_;
   threelink_msgs::SwimmerState state_;
   std::optional<Eigen::Vector2d> target_;
-  std::deque<Position> trail_;  // the latest positions
+  std::deque<Position> trail_;  ///< the latest positions
   ThinnedPath path_;
-  bool cleared_ = true;  // since the last drawing
+  bool cleared_ = true;  ///< since the last drawing
 };
 
 }  // namespace threelink_sim

@@ -1,4 +1,5 @@
-// A path for rviz that covers a whole episode, however long, in a bounded number of poses.
+/// @file
+/// A path for rviz that covers an episode of any length with a bounded number of poses.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +10,7 @@
 
 namespace threelink_sim {
 
+/// The path; its resolution is halved each time it is full.
 class ThinnedPath {
  public:
   ThinnedPath() { path_.header.frame_id = frames::kWorld; }
@@ -18,7 +20,7 @@ class ThinnedPath {
     stride_ = 1;
   }
 
-  // The pose in state `step`, in rising order.
+  /// Adds the pose in state `step`; steps must increase.
   void add(std::uint64_t step, const geometry_msgs::PoseStamped& pose) {
     path_.header.stamp = pose.header.stamp;
     if (step % stride_ != 0) return;
@@ -32,10 +34,10 @@ class ThinnedPath {
   const nav_msgs::Path& message() const { return path_; }
 
  private:
-  static constexpr std::size_t kPoses = 2000;  // from here on, every second one is dropped
+  static constexpr std::size_t kPoses = 2000;  ///< at this number every second pose is dropped
 
   nav_msgs::Path path_;
-  std::uint64_t stride_ = 1;  // [steps] between poses
+  std::uint64_t stride_ = 1;  ///< [steps] between poses
 };
 
 }  // namespace threelink_sim

@@ -1,8 +1,9 @@
-// The paper's 9x9 system H (X', Y', Theta') = q for three links, term by term from its supplement.
-//
-// An independent statement of the physics, for tests and for comparison of speed; the product moves
-// swimmers by the reduced system of the kernels. (The printed velocity constraints write
-// l theta' without its index i, and call q "nearly" zero where it is exactly zero.)
+/// @file
+/// The paper's 9x9 system H (X', Y', Theta') = q for three links, term by term from its supplement.
+///
+/// An independent formulation of the physics for tests and for comparison of speed. The simulation
+/// uses the reduced system of the kernels. (The printed velocity constraints write l theta' without
+/// its index i, and call q "nearly" zero where it is exactly zero.)
 #pragma once
 
 #include <cmath>
@@ -13,15 +14,18 @@
 namespace threelink_sim {
 namespace reference {
 
+/// A 9x9 matrix.
 using Matrix9d = Eigen::Matrix<double, 9, 9>;
+/// Velocities or right-hand side of the system.
 using Vector9d = Eigen::Matrix<double, 9, 1>;
 
-// The paper's coordinates x_1..x_3, y_1..y_3 [L] of the links' left ends and theta_1..theta_3
-// [rad].
+/// The paper's coordinates x_1..x_3, y_1..y_3 [L] of the links' left ends and theta_1..theta_3
+/// [rad].
 struct LeftEnds {
   Eigen::Vector3d x, y, theta;
 };
 
+/// The links' left ends for x_1, y_1 [L] and theta_1 [rad] of link 1 and the hinge angles [rad].
 inline LeftEnds left_ends(double x_1, double y_1, double theta_1, double alpha_1, double alpha_2) {
   LeftEnds e;
   e.theta << theta_1, theta_1 + alpha_1, theta_1 + alpha_1 + alpha_2;
@@ -34,6 +38,7 @@ inline LeftEnds left_ends(double x_1, double y_1, double theta_1, double alpha_1
   return e;
 }
 
+/// The matrix H.
 inline Matrix9d h_matrix(const LeftEnds& e, double gamma) {
   Matrix9d h = Matrix9d::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -60,7 +65,7 @@ inline Matrix9d h_matrix(const LeftEnds& e, double gamma) {
   return h;
 }
 
-// (X', Y', Theta') under the hinge rates [1/T0].
+/// (X', Y', Theta') under the hinge rates [1/T0].
 inline Vector9d velocities(const LeftEnds& e, double gamma, double rate_1, double rate_2) {
   Vector9d q = Vector9d::Zero();
   q[7] = rate_1;
@@ -68,7 +73,7 @@ inline Vector9d velocities(const LeftEnds& e, double gamma, double rate_1, doubl
   return h_matrix(e, gamma).partialPivLu().solve(q);
 }
 
-// Power Phi: for each link the integral over s in [0, 1/3] of -f . u, with u = x' + s theta' n.
+/// Power Phi: for each link the integral over s in [0, 1/3] of -f . u, with u = x' + s theta' n.
 inline double power(const LeftEnds& e, double gamma, const Vector9d& v) {
   constexpr double l = 1.0 / 3;
   double phi = 0;
@@ -82,9 +87,10 @@ inline double power(const LeftEnds& e, double gamma, const Vector9d& v) {
   return phi;
 }
 
-// State of one swimmer for the integration below: x_1, y_1, theta_1, alpha_1, alpha_2 and work.
+/// State of one swimmer for the integration below: x_1, y_1, theta_1, alpha_1, alpha_2 and work.
 using State6 = Eigen::Matrix<double, 6, 1>;
 
+/// Time derivative of the state under constant hinge rates [1/T0].
 inline State6 derivative(const State6& s, double gamma, double rate_1, double rate_2) {
   const LeftEnds e = left_ends(s[0], s[1], s[2], s[3], s[4]);
   const Vector9d v = velocities(e, gamma, rate_1, rate_2);
@@ -93,7 +99,7 @@ inline State6 derivative(const State6& s, double gamma, double rate_1, double ra
   return d;
 }
 
-// One classical Runge-Kutta step of length dt [T0].
+/// One classical Runge-Kutta step of length dt [T0].
 inline State6 runge_kutta_step(const State6& s, double gamma, double rate_1, double rate_2,
                                double dt) {
   const State6 k1 = derivative(s, gamma, rate_1, rate_2);

@@ -1,4 +1,5 @@
-// What a task is: where an episode starts, where the swimmer should go, and when it is over.
+/// @file
+/// The interface of a task: start, target and end of an episode.
 #pragma once
 
 #include <cstdint>
@@ -12,58 +13,60 @@
 
 namespace threelink_sim {
 
-// What a task may need to know of the swimmer that plays it.
+/// Properties of the swimmer that a task may need.
 struct TaskContext {
-  double dt = 0.1;   // [T0] action step
-  double v_m = 0.0;  // [L/T0] speed of the policy by threelink_agent::evaluate()
+  double dt = 0.1;   ///< [T0] action step
+  double v_m = 0.0;  ///< [L/T0] speed of the policy by threelink_agent::evaluate()
 };
 
-// Start of an episode in the paper's coordinates, fixed frame.
+/// Start of an episode in the paper's coordinates, fixed frame.
 struct Start {
-  Eigen::Vector2d x_1 = {0.0, 0.0};  // [L] free end of link 1
-  double theta_1 = 0.0;              // [rad] its angle
-  HingeVector alpha;                 // [rad] (N-1) hinge angles; empty: straight
-  // Instead of all that random_start(config, seed, episode): the centroid at the
-  // origin, any heading, any shape.
+  Eigen::Vector2d x_1 = {0.0, 0.0};  ///< [L] free end of link 1
+  double theta_1 = 0.0;              ///< [rad] its angle
+  HingeVector alpha;                 ///< [rad] (N-1) hinge angles; empty: straight
+  /// If true, the above is replaced by random_start(config, seed, episode): centroid at the origin,
+  /// random heading and shape.
   bool random = false;
 };
 
-// Where that puts the swimmer.
+/// The state of the swimmer for a start.
 SwimmerState start_state(const EnvironmentConfig& config, const Start& start, std::uint64_t seed,
                          std::uint32_t episode);
 
+/// State of an episode.
 enum class Outcome { kRunning, kCaptured, kTimedOut };
 
-// One task, played over and over. configure() comes once and first. An episode is one reset() and
-// then one observe() for each state k = 0, 1, 2, ..., until the outcome is no longer kRunning. All
-// randomness is keyed by (seed, episode, k): an episode comes out the same whatever was played
-// before, in any process.
+/// A task that is played in any number of episodes. configure() must be called first, once. An
+/// episode is one reset() and then one observe() for each state k = 0, 1, 2, ..., until the outcome
+/// is not kRunning. All random numbers are keyed by (seed, episode, k): an episode is the same in
+/// any process, whatever was played before.
 class Task {
  public:
   virtual ~Task() = default;
 
-  // Takes its parameters, all of them; whoever calls it calls parameters.finish(). Throws
-  // ParameterError.
+  /// Reads all parameters of the task; the caller then calls parameters.finish(). Throws
+  /// ParameterError.
   virtual void configure(ParameterMap& parameters, const TaskContext& context) = 0;
 
-  // Where the swimmer is put for each episode.
+  /// The start of each episode.
   virtual Start start() const = 0;
 
+  /// Begins episode `episode` of seed `seed`.
   virtual void reset(std::uint64_t seed, std::uint32_t episode) = 0;
 
-  // Moves on to state k, with the swimmer's centroid [L] in it.
+  /// Proceeds to state k, in which the swimmer's centroid is at `centroid` [L].
   virtual Outcome observe(const Eigen::Vector2d& centroid) = 0;
 
-  // [L] where the swimmer should go, as of the state last observed; fixed frame.
+  /// [L] position of the target in the state last observed, fixed frame.
   virtual Eigen::Vector2d target() const = 0;
 
-  // [L] fixed points to be reached in this order, as of the last reset(); none where the target
-  // moves. waypoint() is the number of those reached, and so the index of the next one.
+  /// [L] fixed points that are to be reached in this order since the last reset(); empty if the
+  /// target moves. waypoint() is the number of reached points and the index of the next one.
   virtual std::vector<Eigen::Vector2d> waypoints() const { return {}; }
   virtual std::uint32_t waypoint() const { return 0; }
 
-  // Whether a user may set the target [L] while an episode runs. Then targets do not follow from
-  // the seed alone.
+  /// Whether a user may set the target [L] while an episode runs. In that case targets do not
+  /// follow from the seed alone.
   virtual bool takes_points() const { return false; }
   virtual void take_point(const Eigen::Vector2d& /*point*/) {}
 };

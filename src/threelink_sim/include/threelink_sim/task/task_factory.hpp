@@ -1,4 +1,5 @@
-// Tasks by name.
+/// @file
+/// A registry of tasks by name.
 #pragma once
 
 #include <functional>
@@ -12,28 +13,30 @@
 
 namespace threelink_sim {
 
-// Adds a task to those below; a name that is taken is given anew.
+/// Makes a task that is not configured yet.
 using TaskMaker = std::function<std::unique_ptr<Task>()>;
+/// Registers a task; a registered name is replaced.
 void register_task(const std::string& name, const TaskMaker& make);
 
-// Where other tasks come from: `find` is called once, as soon as a name is asked for that is not
-// there, or all names, and registers what it finds.
+/// Adds a source of tasks: `find` is called once, when an unknown name or the list of names is
+/// first requested, and registers the tasks that it finds.
 void register_task_source(const std::function<void()>& find);
 
-// All names, sorted: those of this package, and what was registered.
+/// All names in alphabetical order: those of this package and the registered ones.
 std::vector<std::string> task_names();
 
+/// Whether a task of that name exists.
 bool has_task(const std::string& name);
 
-// The task of that name, with its parameters taken; the caller calls parameters.finish(). Throws
-// UsageError that names the nearest task if there is none, and ParameterError.
+/// Makes and configures the task of that name; the caller then calls parameters.finish(). Throws
+/// UsageError that names the nearest known task for an unknown name, and ParameterError.
 std::unique_ptr<Task> make_task(const std::string& name, ParameterMap& parameters,
                                 const TaskContext& context);
 
-// The task of an episode that was played, from threelink_msgs/Episode's `config`:
-//   task:       name, seed, policy, v_m, and the task's parameters
-//   simulator:  dt
-// It has the same targets, to the bit.
+/// Makes the task of a recorded episode from `config` of threelink_msgs/Episode:
+///   task:       name, seed, policy, v_m, and the task's parameters
+///   simulator:  dt
+/// It has the same targets to the bit.
 std::unique_ptr<Task> make_task(const YAML::Node& config);
 
 }  // namespace threelink_sim
