@@ -26,7 +26,7 @@ class PolicyError : public threelink_sim::UsageError {
 // Symmetry that the policy uses outside the network.
 enum class Symmetry {
   kNone,
-  // Swapping the two ends, N odd (symmetry.hpp). If cos theta_d < 0 the network sees the swimmer
+  // Swapping the two ends (symmetry.hpp). If cos theta_d < 0 the network sees the swimmer
   // from its other end,
   // (-cos, -sin, -alpha_{N-1}, .., -alpha_1), and its rates are swapped back, r_j = -r'_{N-j}.
   kReversal,

@@ -7,7 +7,7 @@
 //
 //   mirror    reflection across the target's direction:
 //             (c, s, alpha_j) -> (c, -s, -alpha_j),               r_j -> -r_j
-//   reversal  calling the last link the first (N odd, so that the heading link is the middle one):
+//   reversal  calling the last link the first, which turns the axis by pi (observation.hpp):
 //             (c, s, alpha_j) -> (-c, -s, -alpha_{N-j}),          r_j -> -r_{N-j}
 //
 // Either maps a motion to a motion with the same rewards. Both are their own inverse.

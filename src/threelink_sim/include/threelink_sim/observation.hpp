@@ -1,7 +1,11 @@
 // What the agent is shown of the swimmer and its target.
 //
-// theta_d = theta_h - theta_T is the angle of the heading link against the direction to the target,
-// p = (cos theta_T, sin theta_T), and r the distance to it. N links:
+// theta_d = theta_a - theta_T is the angle of the swimmer's axis against the direction to the
+// target, p = (cos theta_T, sin theta_T), and r the distance to it. The axis is that of the middle
+// link, theta_a = theta_h; an even number of links has two in the middle, of which it takes the
+// mean, theta_a = (theta_{N/2} + theta_{N/2+1}) / 2 = theta_h - alpha_{N/2} / 2. So it turns by pi,
+// and no more, if the links are counted from the other end, which symmetry.hpp of threelink_agent
+// relies on. N links:
 //
 //   direction  cos theta_d, sin theta_d, alpha_1 .. alpha_{N-1}         (the paper's)
 //   target     the same, then w cos theta_d, w sin theta_d, (ln r + 4) / 2
