@@ -336,7 +336,7 @@ TEST(PolicyFile, WrongMetadataIsRefusedAndNamed) {
        {Case{"format", "threelink-policy-2", "threelink-policy-1"},
         Case{"format", nullptr, "missing"}, Case{"observation", "camera", "direction"},
         Case{"observation", nullptr, "missing"}, Case{"action", "torques", "hinge_rates"},
-        Case{"links", "4", "shape"}, Case{"links", "3.5", "whole"}, Case{"links", "1e30", "whole"},
+        Case{"links", "3.5", "whole"}, Case{"links", "1e30", "whole"},
         Case{"links", "three", "number"}, Case{"links", "1", "[2, 32]"},
         Case{"dt", "0", "[0.001, 1]"}, Case{"dt", "nan", "number"}, Case{"dt", "0.1s", "number"},
         Case{"dt", nullptr, "missing"}, Case{"gamma", "-0.5", "[0.001, 10]"},
@@ -351,6 +351,8 @@ TEST(PolicyFile, WrongMetadataIsRefusedAndNamed) {
     EXPECT_NE(text.find(wrong.key), std::string::npos) << text;
     EXPECT_NE(text.find(wrong.part), std::string::npos) << text;
   }
+  EXPECT_EQ(refusal_after([](Container& c) { c.metadata["links"] = "4"; }),
+            "FILE: actor.0.weight has shape (64, 4), expected (64, 5)");
   EXPECT_EQ(refusal_after([](Container& c) { c.metadata["links"] = "5"; }),
             "FILE: actor.0.weight has shape (64, 4), expected (64, 6)");
   EXPECT_EQ(refusal_after([](Container& c) { c.metadata.erase("symmetry"); }), "accepted");
