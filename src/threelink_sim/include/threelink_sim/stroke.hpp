@@ -42,6 +42,10 @@ StrokeMeasures measure(const Stroke& stroke);
 // Where a period starts so that its net displacement points along +x: centroid at the origin.
 SwimmerState aligned_start(const Stroke& stroke);
 
+// [L/T0] of the fastest stroke of 3 to 8 links with gamma = 1/2 and rates within [-1, 1], as
+// optimal_stroke finds it (docs/links.md); NaN for other numbers of links.
+double fastest_speed(int links);
+
 // Purcell's stroke: the outer hinges swing between angles low < high [rad], one at a time at rate
 // 1, clockwise in the plane (first hinge, last hinge) from (low, low), so that `pieces`, a multiple
 // of 4, are equal. All other hinges stay straight.
