@@ -70,7 +70,7 @@ StrokeMeasures measure(const Stroke& stroke) {
 }
 
 double fastest_speed(int links) {
-  constexpr double kSpeeds[] = {0.0129154, 0.021862, 0.030367, 0.038681, 0.046743, 0.054518};
+  constexpr double kSpeeds[] = {0.0129154, 0.0218664, 0.0303811, 0.0387526, 0.0467596, 0.0545997};
   constexpr int kFirst = 3, kLast = kFirst + sizeof(kSpeeds) / sizeof(*kSpeeds) - 1;
   return links >= kFirst && links <= kLast ? kSpeeds[links - kFirst]
                                            : std::numeric_limits<double>::quiet_NaN();
