@@ -61,6 +61,12 @@ bool maximise(StrokeProblem& problem, Period period, bool rates_bounded, const S
   }
 }
 
+// Not so if the optimiser lost its way and ended elsewhere than at the best that it came by.
+bool at_best(const Climb& climb) {
+  const ClimbStep& last = climb.history.back();
+  return last.violation <= 1e-6 && std::abs(last.value - climb.value) <= 1e-6 * climb.value;
+}
+
 }  // namespace
 
 Climb climb(const StrokeSearch& search, const std::string& name, Period period, double margin,
@@ -73,8 +79,9 @@ Climb climb(const StrokeSearch& search, const std::string& name, Period period, 
   const bool scaled = search.objective == Objective::kEfficiency && period == Period::kFree;
   StrokeProblem problem(search, x, result, on_step);
   if (rates == Rates::kFewer && scaled) {
-    constexpr int kModes = 20;
-    problem.restrict_to(harmonics(x.rates.rows(), x.rates.cols(), kModes));
+    // Those that the pieces resolve.
+    const int modes = std::min(20, static_cast<int>(x.rates.cols() - 1) / 2);
+    problem.restrict_to(harmonics(x.rates.rows(), x.rates.cols(), modes));
   }
   const bool saturated = rates == Rates::kFewer && !scaled;
   // A piece of the coarse grid in which a rate changes its sign says where, within itself.
@@ -89,11 +96,10 @@ Climb climb(const StrokeSearch& search, const std::string& name, Period period, 
     x = problem.best();
     more = problem.hold(x, 0);
     if (saturated && problem.release(x)) more = true;
+    if (rates == Rates::kFewer && !at_best(result)) more = true;  // from there anew
   }
-  // Lost, if it ended away from the best that it came by, or at rest.
-  const ClimbStep& last = result.history.back();
-  result.converged = !more && last.violation <= 1e-6 && result.value > 1e-9 &&
-                     std::abs(last.value - result.value) <= 1e-6 * result.value;
+  // Not at rest, either.
+  result.converged = !more && result.value > 1e-9 && at_best(result);
   if (scaled) {
     const double fastest = x.rates.cwiseAbs().maxCoeff();
     x.rates /= fastest;
