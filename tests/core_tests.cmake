@@ -2,8 +2,8 @@
 
 # threelink_sim
 foreach(name batch_test capture_test contact_test fields_test files_test flow_test lockstep_test
-    observation_test output_test point_file_test random_test swimmer_reference_test swimmer_test text_formats_test
-    thermal_test world_file_test)
+    observation_test output_test point_file_test random_test stroke_period_test swimmer_reference_test swimmer_test
+    text_formats_test thermal_test world_file_test)
   threelink_unit_test(${name} threelink_sim_core)
 endforeach()
 foreach(name optimal_stroke_test stroke_test)

@@ -26,6 +26,7 @@ add_library(threelink_sim_core
   ${CMAKE_CURRENT_LIST_DIR}/src/core/sha256.cpp
   ${CMAKE_CURRENT_LIST_DIR}/src/core/stroke.cpp
   ${CMAKE_CURRENT_LIST_DIR}/src/core/stroke_file.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/src/core/stroke_period.cpp
   ${CMAKE_CURRENT_LIST_DIR}/src/core/swimmer.cpp
   ${CMAKE_CURRENT_LIST_DIR}/src/core/urdf.cpp
   ${CMAKE_CURRENT_LIST_DIR}/src/core/utf8.cpp

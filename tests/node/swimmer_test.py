@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """A policy plays the swimmer that it was trained for, of any number of links, and no other one."""
+import math
 import os
 import shutil
 import subprocess
@@ -7,7 +8,9 @@ import tempfile
 import unittest
 
 import rosbag
+import roslaunch.config
 import roslib.packages
+import rospkg
 import rospy
 import rostest
 import yaml
@@ -60,6 +63,47 @@ class PlayedSwimmerTest(unittest.TestCase):
         proof = subprocess.run([program("threelink_tasks", "verify_bag"), bag],
                                stdout=subprocess.PIPE, universal_newlines=True)
         self.assertEqual(proof.returncode, 0, proof.stdout)
+
+    def test_four_links_are_played_recorded_proven_and_shown(self):
+        share = rospkg.RosPack().get_path("threelink_tasks")
+        shutil.copy(os.path.join(share, "config/policies/vfs_n4.safetensors"), self.policy)
+        done = self.play()
+        self.assertEqual(done.returncode, 0, done.stdout)
+        folder = os.path.join(self.folder, "bags")
+        (bag,) = [os.path.join(folder, name) for name in os.listdir(folder) if name.endswith(".bag")]
+        with rosbag.Bag(bag) as file:
+            messages = list(file.read_messages())
+        states = [m for topic, m, _ in messages if topic.endswith("/state")]
+        observations = [m for topic, m, _ in messages if topic.endswith("/observation")]
+        self.assertEqual(len(observations), 50)
+        # It sees the angle of its axis, the mean of the two middle links.
+        for state, seen in zip(states, observations):
+            theta_d = (state.theta[1] + state.theta[2]) / 2 - seen.theta_t
+            self.assertAlmostEqual(seen.values[0], math.cos(theta_d), delta=1e-9)
+            self.assertAlmostEqual(seen.values[1], math.sin(theta_d), delta=1e-9)
+            self.assertEqual(list(seen.values[2:]), list(state.alpha))
+        proof = subprocess.run([program("threelink_tasks", "verify_bag"), bag],
+                               stdout=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual(proof.returncode, 0, proof.stdout)
+        # What rviz and robot_state_publisher get of it, and the picture.
+        playback = roslaunch.config.load_config_default(
+            [(os.path.join(share, "launch/playback.launch"), ["bag:=" + bag, "rviz:=false"])], None,
+            assign_machines=False)
+        robot = playback.params["/threelink/robot_description"].value
+        self.assertIn('<link name="link_4">', robot)
+        self.assertNotIn('<link name="link_5">', robot)
+        picture = os.path.join(self.folder, "picture.png")
+        subprocess.run([program("threelink_tasks", "plot_episode"), bag, "--out", picture], check=True,
+                       timeout=60)
+        self.assertGreater(os.path.getsize(picture), 10000)
+
+    def test_another_number_of_links_is_refused_with_both_values(self):
+        write_policy(self.policy, links=4)
+        done = self.play("links:=3")
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn("links = 3 instead of 4", done.stdout)
+        done = self.play("links:=3", "allow_other_swimmer:=true")  # which cannot be played
+        self.assertEqual(done.returncode, 2, done.stdout)
 
     def test_another_swimmer_is_refused_by_launch(self):
         write_policy(self.policy, gamma=0.9)

@@ -24,8 +24,8 @@ WORLD = """flow:
   - {kind: taylor_green, u0: 0.0129, k: 1.5707963267948966, phase: [0.5, 0.0]}
   - {kind: stirred, rate: 0.002}
 obstacles:
-  - {kind: half_plane, point: [1.1, 0.0], normal: [-1.0, 0.0]}
-  - {kind: half_plane, point: [-0.1, 0.0], normal: [1.0, 0.0]}
+  - {kind: half_plane, point: [2.1, 0.0], normal: [-1.0, 0.0]}
+  - {kind: half_plane, point: [0.9, 0.0], normal: [1.0, 0.0]}
   - {kind: half_plane, point: [0.0, 0.55], normal: [0.0, -1.0]}
   - {kind: half_plane, point: [0.0, -0.55], normal: [0.0, 1.0]}
 thermal_noise: 1.0e-6

@@ -217,6 +217,27 @@ class LaunchFilesTest(unittest.TestCase):
         self.assertEqual([value(name) for name in ("links", "dt", "gamma", "joint_limit", "observation")],
                          [3, 0.1, 0.5, 2 * math.pi / 3, "direction"])
 
+    def test_the_watched_swimmer_is_that_of_the_policy(self):
+        policy = os.path.join(os.path.dirname(VFS), "vfs_n4.safetensors")
+        for name, arguments in (("watch", {"policy": policy}),
+                                ("train", {"out": "a", "watch": "true", "watch_policy": policy})):
+            params = load(os.path.join(FOLDER, name + ".launch"), rviz="false", **arguments).params
+            self.assertEqual(params["/threelink/watch/simulator/links"].value, 4)
+            self.assertEqual(params["/threelink/watch/task/policy"].value, policy)
+            self.assertIn('<link name="link_4">', params["/threelink/robot_description"].value)
+        params = load(os.path.join(FOLDER, "watch.launch"), rviz="false").params
+        self.assertEqual(params["/threelink/watch/simulator/links"].value, 3)
+        self.assertEqual(params["/threelink/watch/task/policy"].value, VFS)
+
+    def test_the_played_back_swimmer_is_that_of_the_bag(self):
+        bags = os.path.join(os.path.dirname(os.path.realpath(__file__)), "../data/bags_1")
+        (bag,) = [os.path.join(bags, name) for name in os.listdir(bags) if name.startswith("pursuit")]
+        for path in (bag, "/some/folder/some.bag"):  # what is wrong with a bag is for the node to say
+            params = load(os.path.join(FOLDER, "playback.launch"), rviz="false", bag=path).params
+            robot = params["/threelink/robot_description"].value
+            self.assertIn('<link name="link_3">', robot)
+            self.assertNotIn('<link name="link_4">', robot)
+
 
 if __name__ == "__main__":
     rosunit.unitrun("threelink_tests", "launch_files", LaunchFilesTest)

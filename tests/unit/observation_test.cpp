@@ -81,6 +81,33 @@ TEST(Observation, OfATargetIsTheDirectionAndHowNearItIs) {
   }
 }
 
+TEST(Observation, TakesTheAxisOfTheMiddle) {
+  for (int links = 2; links <= 8; ++links) {
+    EnvironmentConfig swimmer = config(ObservationKind::kDirection);
+    swimmer.model.links = links;
+    Environment environment(swimmer, 5);  // more than one, since lanes go in packs
+    std::vector<double> seen(5 * (links + 1));
+    std::vector<SwimmerState> states;
+    for (std::uint32_t i = 0; i < 5; ++i) {
+      states.push_back(random_start(swimmer.model, 4, i));
+      environment.reset(i, states[i]);
+      environment.set_direction(i, {std::cos(0.7), std::sin(0.7)});
+    }
+    environment.observe(seen.data());
+    for (int i = 0; i < 5; ++i) {
+      const LinkVector theta = link_angles(swimmer.model, states[i]);
+      const double axis = (theta[(links - 1) / 2] + theta[links / 2]) / 2;
+      EXPECT_NEAR(seen[i], std::cos(axis - 0.7), 1e-14) << links;
+      EXPECT_NEAR(seen[5 + i], std::sin(axis - 0.7), 1e-14) << links;
+      // Of an odd number it is the heading itself, to the bit.
+      double sine, cosine;
+      kernels().sincos(1, &states[i].heading, &sine, &cosine);
+      if (links % 2 == 0) continue;
+      EXPECT_EQ(seen[i], cosine * std::cos(0.7) + sine * std::sin(0.7)) << links;
+    }
+  }
+}
+
 TEST(Observation, ADirectionIsATargetFarAway) {
   Environment environment(config(ObservationKind::kTarget), 1);
   double far[7], infinite[7];

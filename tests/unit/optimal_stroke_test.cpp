@@ -115,6 +115,45 @@ TEST(OptimalStroke, FourLinks) {
   EXPECT_GT(optimum.value, wave);
 }
 
+// With 40 pieces, as found elsewhere: half-period symmetric strokes, by L-BFGS from random waves.
+TEST(OptimalStroke, MoreLinks) {
+  struct Case {
+    int links;
+    double speed, period;
+  };
+  for (const Case& c : {Case{4, 0.021862, 5.504}, Case{5, 0.030367, 4.869}}) {
+    StrokeSearch search = small(Objective::kSpeed, 40);
+    search.model.links = c.links;
+    const OptimalStroke optimum = find(search);
+    expect_sound(search, optimum);
+    EXPECT_NEAR(optimum.value, c.speed, 1e-6) << c.links;
+    EXPECT_NEAR(optimum.stroke.period(), c.period, 1e-3) << c.links;
+    EXPECT_LT(optimum.value, fastest_speed(c.links)) << "rates that are held for longer";
+  }
+  StrokeSearch search = small(Objective::kEfficiency, 40);
+  search.model.links = 4;
+  const OptimalStroke optimum = find(search);
+  expect_sound(search, optimum);
+  EXPECT_NEAR(optimum.value, 0.029975, 1e-6);
+}
+
+// The refinement varies few of the rates. Nothing is lost: all of them, varied at once on a grid
+// that allows it, lead to the same value.
+TEST(OptimalStroke, FewerUnknownsFindTheSame) {
+  StrokeSearch search = small(Objective::kEnergyAware, 24);  // as the starts of six links: all vary
+  search.model.links = 6;
+  const OptimalStroke optimum = find(search);
+  expect_sound(search, optimum);
+  double of_starts = 0;
+  for (const Climb& climb : optimum.climbs)
+    if (climb.name != "refinement") of_starts = std::max(of_starts, climb.value);
+  EXPECT_NEAR(optimum.value, of_starts, 1e-6 * of_starts);
+  // Of four links on twice as many pieces: the value that a climb with all rates reaches.
+  StrokeSearch four = small(Objective::kSpeed, 80);
+  four.model.links = 4;
+  EXPECT_NEAR(find(four).value, 0.02186631, 2e-8);
+}
+
 TEST(OptimalStroke, SameSeedSameStroke) {
   const StrokeSearch search = small(Objective::kSpeed, 20);
   EXPECT_EQ(find(search).stroke.rates, find(search).stroke.rates);

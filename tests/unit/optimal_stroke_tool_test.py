@@ -6,6 +6,7 @@ import os
 import shlex
 import subprocess
 import tempfile
+import time
 import unittest
 
 import rosunit
@@ -113,6 +114,16 @@ class OptimalStrokeToolTest(unittest.TestCase):
         self.assertEqual(len(lines), 2)  # not a terminal: one line a climb
         self.assertTrue(lines[0].startswith("start 1"))
         self.assertTrue(lines[1].startswith("refinement"))
+
+    def test_six_links_take_less_than_a_minute(self):
+        begin = time.monotonic()
+        stroke = self.stroke("--objective", "speed", "--links", "6")
+        self.assertLess(time.monotonic() - begin, 60)
+        self.assertEqual((stroke["links"], stroke["pieces"]), (6, 240))
+        self.assertAlmostEqual(stroke["speed"], 0.0387526, delta=1e-6)
+        _, last = self.played(stroke)
+        self.assertAlmostEqual(last["xc"], stroke["displacement"], delta=1e-12)
+        self.assertAlmostEqual(last["yc"], 0, delta=1e-9)
 
     def test_a_refusal_leaves_what_was_there(self):
         self.stroke("--square=-1,1", "--pieces", "8")

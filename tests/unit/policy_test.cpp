@@ -65,7 +65,7 @@ TEST(Policy, AnswersWithTheClippedMeanOfItsNetwork) {
 }
 
 TEST(Policy, ReversalSwapsTheEndsWhereCosIsNegative) {
-  for (int links : {3, 5}) {
+  for (int links : {2, 3, 4, 5, 8}) {
     const int hinges = links - 1;
     const Policy plain = random_policy(2, Symmetry::kNone, links);
     const Policy symmetric = random_policy(2, Symmetry::kReversal, links);
@@ -336,7 +336,7 @@ TEST(PolicyFile, WrongMetadataIsRefusedAndNamed) {
        {Case{"format", "threelink-policy-2", "threelink-policy-1"},
         Case{"format", nullptr, "missing"}, Case{"observation", "camera", "direction"},
         Case{"observation", nullptr, "missing"}, Case{"action", "torques", "hinge_rates"},
-        Case{"links", "4", "odd"}, Case{"links", "3.5", "whole"}, Case{"links", "1e30", "whole"},
+        Case{"links", "3.5", "whole"}, Case{"links", "1e30", "whole"},
         Case{"links", "three", "number"}, Case{"links", "1", "[2, 32]"},
         Case{"dt", "0", "[0.001, 1]"}, Case{"dt", "nan", "number"}, Case{"dt", "0.1s", "number"},
         Case{"dt", nullptr, "missing"}, Case{"gamma", "-0.5", "[0.001, 10]"},
@@ -351,6 +351,8 @@ TEST(PolicyFile, WrongMetadataIsRefusedAndNamed) {
     EXPECT_NE(text.find(wrong.key), std::string::npos) << text;
     EXPECT_NE(text.find(wrong.part), std::string::npos) << text;
   }
+  EXPECT_EQ(refusal_after([](Container& c) { c.metadata["links"] = "4"; }),
+            "FILE: actor.0.weight has shape (64, 4), expected (64, 5)");
   EXPECT_EQ(refusal_after([](Container& c) { c.metadata["links"] = "5"; }),
             "FILE: actor.0.weight has shape (64, 4), expected (64, 6)");
   EXPECT_EQ(refusal_after([](Container& c) { c.metadata.erase("symmetry"); }), "accepted");

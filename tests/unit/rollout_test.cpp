@@ -160,7 +160,10 @@ void expect_equivariant(int links, ObservationKind kind, double heading_sign, do
   const int size = pair.observation_size();
   const threelink_sim::SwimmerState start = threelink_sim::random_start(config.model, 5, 0);
   threelink_sim::SwimmerState image = start;
-  image.heading = heading_sign * start.heading + turn;
+  // Of an even number of links the heading link of the image is the other one of the middle two.
+  const int heading_link = config.model.heading_link();
+  const int same_link = reversed_hinges ? links - 1 - heading_link : heading_link;
+  image.heading = heading_sign * link_angles(config.model, start)[same_link] + turn;
   image.alpha = reversed_hinges ? (-start.alpha.reverse()).eval() : (-start.alpha).eval();
   pair.reset(0, start);
   pair.reset(1, image);
@@ -176,19 +179,21 @@ void expect_equivariant(int links, ObservationKind kind, double heading_sign, do
     map_rates(rates.data(), hinges, 2, 1);
     pair.step(rates.data());
     EXPECT_NEAR(pair.rewards()[0], pair.rewards()[1], 1e-13);
+    EXPECT_NEAR(pair.centroid(0).x(), pair.centroid(1).x(), 1e-12);
+    EXPECT_NEAR(pair.centroid(0).y(), heading_sign * pair.centroid(1).y(), 1e-12);
   }
 }
 
 TEST(Symmetry, MirrorMapsMotionsToMotions) {
   for (ObservationKind kind : {ObservationKind::kDirection, ObservationKind::kTarget})
-    for (int links : {2, 3, 4, 5})
+    for (int links = 2; links <= 8; ++links)
       expect_equivariant(links, kind, -1, 0, false, mirror_observation<double>,
                          mirror_rates<double>);
 }
 
 TEST(Symmetry, ReversalMapsMotionsToMotions) {
   for (ObservationKind kind : {ObservationKind::kDirection, ObservationKind::kTarget})
-    for (int links : {3, 5})
+    for (int links = 2; links <= 8; ++links)
       expect_equivariant(links, kind, 1, threelink_sim::kPi, true, reverse_observation<double>,
                          reverse_rates<double>);
 }

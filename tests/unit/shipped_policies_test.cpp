@@ -10,6 +10,7 @@
 #include "threelink_agent/policy.hpp"
 #include "threelink_agent/training/train_config.hpp"
 #include "threelink_agent/training/trainer.hpp"
+#include "threelink_sim/stroke.hpp"
 
 namespace threelink_tests {
 namespace {
@@ -35,6 +36,29 @@ TEST(ShippedPolicies, VfsSwimsAtTheOptimalSpeedFromEveryStart) {
     EXPECT_EQ(evaluation.success_rate, 1);
     EXPECT_GT(evaluation.theta_s, 0);
     EXPECT_LT(evaluation.theta_s, 0.5 * threelink_sim::kPi / 180);
+  }
+}
+
+TEST(ShippedPolicies, ThoseOfMoreLinksSwimAtTheOptimalSpeed) {
+  struct Case {
+    int links;
+    double optimum, share;  // with 40 pieces
+    double period;          // [steps]
+  };
+  for (const Case& expected : {Case{4, 0.021862, 0.999, 55.04}, Case{5, 0.030367, 0.998, 48.69},
+                               Case{6, 0.038681, 0.999, 41.72}}) {
+    const std::string name = "vfs_n" + std::to_string(expected.links);
+    const Policy policy = Policy::load(kConfig + "/policies/" + name + ".safetensors");
+    EXPECT_EQ(policy.metadata().links, expected.links);
+    EXPECT_EQ(policy.metadata().symmetry, Symmetry::kReversal);
+    const Evaluation evaluation = evaluate(policy, 300, 1);
+    for (const StartResult& start : evaluation.starts) {
+      EXPECT_GT(start.speed, expected.share * expected.optimum) << name << " " << start.theta_2;
+      EXPECT_LT(start.speed, threelink_sim::fastest_speed(expected.links)) << name;
+      EXPECT_NEAR(start.period_steps, expected.period, 1.5) << name;
+      EXPECT_TRUE(start.success) << name << " " << start.theta_2;
+    }
+    EXPECT_GE(evaluation.success_rate, 0.99) << name;
   }
 }
 

@@ -1,20 +1,22 @@
-/// @file
 /// The paper's measures of a policy: speed, efficiency and success of navigation.
 ///
 /// kEvaluationSteps steps with the mean action towards theta_T = 0. The centroid's path is smoothed
-/// by a moving average of kSmoothing positions, from 35 before to 35 after, and therefore extends
-/// from step 35 to step 1465. theta_s(k) is the angle of the smoothed path from step k to step k
-/// + 1. Steering ends at the first step with |theta_s| <= 2.5 degrees; the translation stage is the
-/// rest.
+/// by the mean of about a stroke's positions, as many before as after (threelink_sim::smoothing()
+/// of the last kSteadySteps steps): 71 of three links, so that it reaches from step 35 to step
+/// 1465; of other numbers as many as the stroke turns out to take. theta_s(k) is the angle of the
+/// smoothed path from step k to step k + 1. Steering ends at the first step with |theta_s| <= 2.5
+/// degrees; the translation stage is all that follows.
 ///
 /// Speed and power are means over the steady window: the last kSteadySteps steps of the smoothed
-/// path, shortened at their beginning to a whole number of strokes. A stroke is one revolution of
-/// (alpha_1, alpha_2) around its mean over these steps; without a revolution the window is all of
-/// them. A swimmer that is stuck has speed 0 and no period.
+/// path, cut at their beginning to whole strokes. A stroke is one turn of the shape around its mean
+/// over these steps (stroke_period.hpp); where it makes no turn, the window is all of them. A
+/// swimmer that is stuck has speed 0 and no period.
 #pragma once
 
 #include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "threelink_agent/policy.hpp"
 #include "threelink_sim/swimmer.hpp"
@@ -23,9 +25,7 @@ namespace threelink_agent {
 
 /// Steps of an evaluation.
 constexpr int kEvaluationSteps = 1500;
-constexpr int kSmoothing = 71;                                        ///< positions in one average
 constexpr double kTranslationAngle = 2.5 * threelink_sim::kPi / 180;  ///< [rad]
-/// Steps at the end of an evaluation from which speed and power are measured.
 constexpr int kSteadySteps = 500;
 /// [L/T0] A lower speed counts as stuck. It is less than 1 % of the optimum, 0.0129; the direction
 /// of such a path has no meaning.
@@ -39,10 +39,10 @@ struct StartResult {
   double power;       ///< [C_perp L^3/T0^2] Phi of that window
   double period_steps;  ///< [steps] of the stroke in the steady window; NaN if there is none
   double theta_s;       ///< [rad] mean over the translation stage; NaN if it never begins
-  int steering_steps;   ///< [steps] before the translation stage, 35 at least, where the smoothed
-                        ///< path begins; kEvaluationSteps if it never begins
+  int steering_steps;   ///< [steps] before the translation stage, and at least those before the
+                        /// smoothed path, 35 of three links; kEvaluationSteps if it never begins
   bool success;  ///< the translation stage began, |theta_s| < 2.5 degrees, and the speed in the
-                 ///< end is above kStuckSpeed
+                 /// end is above kStuckSpeed
 };
 
 /// The measures of a policy over several starts.
@@ -60,10 +60,10 @@ enum class RandomStarts { kBent, kStraight };
 
 /// The motion of one swimmer; index k is after k steps.
 struct Track {
-  std::vector<double> x, y;              ///< [L] centroid
-  std::vector<double> heading;           ///< [rad] angle of the heading link, theta_2 of three
-  std::vector<double> alpha_1, alpha_2;  ///< [rad] the first two hinges
-  std::vector<double> work;              ///< [C_perp L^3/T0] since the start
+  std::vector<double> x, y;     ///< [L] centroid
+  std::vector<double> heading;  ///< [rad] angle of the heading link, theta_2 of three
+  Eigen::MatrixXd alpha;        ///< [rad] (N-1, steps + 1) hinge angles
+  std::vector<double> work;     ///< [C_perp L^3/T0] since the start
 };
 
 /// The motions from the starts of Evaluation::starts, each from x_c = (0, 0).

@@ -27,9 +27,9 @@ class PolicyError : public threelink_sim::UsageError {
 /// Symmetry that is imposed on the policy outside the network.
 enum class Symmetry {
   kNone,
-  /// Exchange of the two ends, for odd N (symmetry.hpp). If cos theta_d < 0, the network observes
-  /// the swimmer from its other end, (-cos, -sin, -alpha_{N-1}, .., -alpha_1), and its rates r' are
-  /// assigned in reverse order, r_j = -r'_{N-j}.
+  /// Swapping the two ends (symmetry.hpp). If cos theta_d < 0 the network sees the swimmer
+  /// from its other end,
+  /// (-cos, -sin, -alpha_{N-1}, .., -alpha_1), and its rates are swapped back, r_j = -r'_{N-j}.
   kReversal,
 };
 /// The names of the symmetries.

@@ -1,18 +1,16 @@
-/// @file
 /// The two symmetries of the swimmer, applied to many observations and rates at once.
 ///
-/// The observation of N links has component k of sample i at [k * stride + i]: c = cos theta_d, s =
-/// sin theta_d, alpha_1 .. alpha_{N-1}; rates have the same layout, r_1 .. r_{N-1}. The observation
-/// "target" continues with w c and w s, which transform like c and s, and the logarithm of the
-/// distance, which is invariant.
-///
+/// Observation of N links, component k of sample i at [k * stride + i]:
+/// c = cos theta_d, s = sin theta_d, alpha_1 .. alpha_{N-1}; rates likewise, r_1 .. r_{N-1}. Those
+/// of "target" go on with w c, w s, which turn as c and s do, and the logarithm of the distance,
+/// which stays.
 ///
 ///   mirror    reflection across the target's direction:
 ///             (c, s, alpha_j) -> (c, -s, -alpha_j),               r_j -> -r_j
-///   reversal  calling the last link the first (N odd, so that the heading link is the middle one):
+///   reversal  calling the last link the first, which turns the axis by pi (observation.hpp):
 ///             (c, s, alpha_j) -> (-c, -s, -alpha_{N-j}),          r_j -> -r_{N-j}
 ///
-/// Each maps a motion to a motion with the same rewards, and is its own inverse.
+/// Either maps a motion to a motion with the same rewards. Both are their own inverse.
 #pragma once
 
 #include <cstddef>

@@ -6,6 +6,7 @@
 
 #include "threelink_agent/actor.hpp"
 #include "threelink_sim/environment.hpp"
+#include "threelink_sim/stroke_period.hpp"
 
 namespace threelink_agent {
 namespace {
@@ -14,7 +15,6 @@ using threelink_sim::Environment;
 using threelink_sim::SwimmerState;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kHalf = kSmoothing / 2;
 // Swimmers at a time: enough to fill the lanes, few enough to keep the paths in memory.
 constexpr std::size_t kLanes = 64;
 
@@ -34,6 +34,7 @@ std::vector<Track> play(const Policy& policy, const std::vector<SwimmerState>& s
   Environment environment(policy.metadata().environment(), n);
   for (std::size_t i = 0; i < n; ++i) environment.reset(i, starts[i]);
   std::vector<Track> tracks(n);
+  for (Track& track : tracks) track.alpha.resize(policy.hinges(), kEvaluationSteps + 1);
   std::vector<double> work(n);
   const auto record = [&] {
     const threelink_sim::Batch& batch = environment.batch();
@@ -41,8 +42,8 @@ std::vector<Track> play(const Policy& policy, const std::vector<SwimmerState>& s
       tracks[i].x.push_back(batch.x()[i]);
       tracks[i].y.push_back(batch.y()[i]);
       tracks[i].heading.push_back(batch.heading()[i]);
-      tracks[i].alpha_1.push_back(batch.alpha(0)[i]);
-      tracks[i].alpha_2.push_back(policy.hinges() > 1 ? batch.alpha(1)[i] : 0);
+      for (int j = 0; j < policy.hinges(); ++j)
+        tracks[i].alpha(j, static_cast<Eigen::Index>(tracks[i].x.size()) - 1) = batch.alpha(j)[i];
       tracks[i].work.push_back(work[i]);
     }
   };
@@ -59,14 +60,14 @@ std::vector<Track> play(const Policy& policy, const std::vector<SwimmerState>& s
 // [rad] the change from a to b, in [-pi, pi].
 double turn(double a, double b) { return std::remainder(b - a, 2 * threelink_sim::kPi); }
 
-void measure_direction(const Track& track, StartResult& result) {
+void measure_direction(const Track& track, int half, StartResult& result) {
   result.steering_steps = kEvaluationSteps;
   double angle = kNaN, sum = 0;
   int count = 0;
-  for (int k = kHalf; k < kEvaluationSteps - kHalf; ++k) {
+  for (int k = half; k < kEvaluationSteps - half; ++k) {
     // The means at k and k + 1 differ by the one position that enters and the one that leaves.
-    const double dx = track.x[k + 1 + kHalf] - track.x[k - kHalf];
-    const double dy = track.y[k + 1 + kHalf] - track.y[k - kHalf];
+    const double dx = track.x[k + 1 + half] - track.x[k - half];
+    const double dy = track.y[k + 1 + half] - track.y[k - half];
     if (dx == 0 && dy == 0) continue;  // stands still: no direction
     const double slope = std::atan2(dy, dx);
     if (count == 0) {
@@ -88,52 +89,25 @@ double at(const std::vector<double>& values, double step) {
   return values[k] + (step - k) * (values[k + 1] - values[k]);
 }
 
-double smoothed_x(const Track& track, double step) {
+double smoothed_x(const Track& track, int half, double step) {
   double sum = 0;
-  for (int k = -kHalf; k <= kHalf; ++k) sum += at(track.x, step + k);
-  return sum / kSmoothing;
-}
-
-// [steps] how far before `last` the last whole stroke of the steady window begins; strokes = 0 and
-// kSteadySteps if there is none.
-double whole_strokes(const Track& track, int last, int& strokes) {
-  const int first = last - kSteadySteps;
-  double mean_1 = 0, mean_2 = 0;
-  for (int k = first; k < last; ++k) {
-    mean_1 += track.alpha_1[k] / kSteadySteps;
-    mean_2 += track.alpha_2[k] / kSteadySteps;
-  }
-  const auto phase = [&](int k) {
-    return std::atan2(track.alpha_2[k] - mean_2, track.alpha_1[k] - mean_1);
-  };
-  strokes = 0;
-  double length = kSteadySteps;
-  double angle = 0;  // turned between step k and `last`
-  for (int k = last - 1; k >= first; --k) {
-    const double before = angle;
-    angle += turn(phase(k), phase(k + 1));
-    const double wanted = 2 * threelink_sim::kPi * (strokes + 1);
-    if (std::abs(angle) >= wanted) {
-      const double fraction = (wanted - std::abs(before)) / std::abs(angle - before);
-      length = last - (k + 1) + fraction;
-      ++strokes;
-    }
-  }
-  return length;
+  for (int k = -half; k <= half; ++k) sum += at(track.x, step + k);
+  return sum / (2 * half + 1);
 }
 
 StartResult measure(const Policy& policy, const SwimmerState& start, const Track& track) {
   const double dt = policy.metadata().dt;
   StartResult result{};
   result.theta_2 = start.heading;
-  measure_direction(track, result);
+  const int half = threelink_sim::smoothing(track.alpha.rightCols(kSteadySteps + 1)) / 2;
+  measure_direction(track, half, result);
 
-  const int last = kEvaluationSteps - kHalf;
-  int strokes;
-  const double length = whole_strokes(track, last, strokes);
+  const int last = kEvaluationSteps - half;
+  const auto [strokes, length] = threelink_sim::whole_strokes(threelink_sim::in_stroke_plane(
+      track.alpha.middleCols(last - kSteadySteps, kSteadySteps + 1)));
   result.period_steps = strokes > 0 ? length / strokes : kNaN;
   const double time = length * dt;
-  result.speed = (smoothed_x(track, last) - smoothed_x(track, last - length)) / time;
+  result.speed = (smoothed_x(track, half, last) - smoothed_x(track, half, last - length)) / time;
   result.power = (at(track.work, last) - at(track.work, last - length)) / time;
   result.efficiency =
       result.power > 0 ? policy.metadata().gamma * result.speed * result.speed / result.power : 0;

@@ -57,9 +57,6 @@ void PolicyMetadata::validate() const {
   environment().validate();
   if (action != "hinge_rates")
     throw std::invalid_argument(fmt::format("action \"{}\": must be \"hinge_rates\"", action));
-  if (symmetry == Symmetry::kReversal && links % 2 == 0)
-    throw std::invalid_argument(
-        fmt::format("symmetry \"reversal\" with {} links: needs an odd number", links));
 }
 
 threelink_sim::EnvironmentConfig PolicyMetadata::environment() const {

@@ -59,14 +59,20 @@ void print_table(const Policy& policy, const Evaluation& evaluation) {
 }
 
 std::string tracks_as_csv(const Policy& policy) {
-  std::string text = "start,t,xc,yc,theta_2,alpha_1,alpha_2,work\n";
+  const threelink_sim::Model model = policy.metadata().environment().model;
+  std::string text = fmt::format("start,t,xc,yc,theta_{}", model.heading_link() + 1);
+  for (int j = 1; j <= model.hinges(); ++j) text += fmt::format(",alpha_{}", j);
+  text += ",work\n";
   const std::vector<Track> tracks = straight_tracks(policy);
   for (std::size_t start = 0; start < tracks.size(); ++start) {
     const Track& track = tracks[start];
-    for (std::size_t k = 0; k < track.x.size(); ++k)
-      text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", start,
-                          k * policy.metadata().dt, track.x[k], track.y[k], track.heading[k],
-                          track.alpha_1[k], track.alpha_2[k], track.work[k]);
+    for (std::size_t k = 0; k < track.x.size(); ++k) {
+      text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g}", start, k * policy.metadata().dt,
+                          track.x[k], track.y[k], track.heading[k]);
+      for (int j = 0; j < model.hinges(); ++j)
+        text += fmt::format(",{:.17g}", track.alpha(j, static_cast<Eigen::Index>(k)));
+      text += fmt::format(",{:.17g}\n", track.work[k]);
+    }
   }
   return text;
 }
@@ -115,7 +121,8 @@ bool parse(int argc, char** argv, Options& options) {
   app.add_option("--trajectory", options.trajectory,
                  "CSV to write of the three straight starts, a row a state:\n"
                  "start,t,xc,yc,theta_2,alpha_1,alpha_2,work (start 0 to 2; xc, yc from 0;\n"
-                 "work since the start)");
+                 "work since the start); of N links alpha_1 to alpha_{N-1}, and the angle of link\n"
+                 "N/2 + 1, rounded down, instead of theta_2");
   app.add_flag("--json", options.json, "one line of JSON instead of a table");
   app.footer(
       "Units: speed in L/T0, efficiency gamma v^2 / Phi, steps of the policy's dt.\n"

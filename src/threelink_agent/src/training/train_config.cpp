@@ -97,10 +97,6 @@ void TrainConfig::validate() const {
                       threelink_sim::substeps(environment.model, environment.dt, 1));
   if (hidden.empty() || hidden.size() > 8)
     refuse("hidden", fmt::format("{} layers", hidden.size()), "1 to 8 layers");
-  if (symmetry.canonical == Symmetry::kReversal && environment.model.links % 2 == 0)
-    refuse("symmetry.canonical", to_string(symmetry.canonical),
-           fmt::format("none for {} links: only an odd number has a middle link",
-                       environment.model.links));
   const std::uint64_t samples = std::uint64_t{update.episodes} * environment.steps;
   if (samples > UpdateConfig::kMostSamples)
     refuse("update.episodes", update.episodes,

@@ -42,9 +42,9 @@ class Batch {
   const double* dy() const { return displacement_.data() + n_; }  ///< [L]
   const double* work() const { return work_.data(); }             ///< [C_perp L^3/T0]
 
-  /// Sine and cosine of every heading (n), by the kernels, so that all instruction sets give the
-  /// same bits.
-  void heading_sincos(double* sine, double* cosine) const;
+  /// Of the angle theta_a of every swimmer's axis (observation.hpp), by the kernels (so that all
+  /// instruction sets give the same bits).
+  void axis_sincos(double* sine, double* cosine) const;
 
   /// The terms of the observation for a distance r [L] (n): weight w = tanh(r / 0.1) and (ln r + 4)
   /// / 2, also by the kernels.

@@ -102,7 +102,7 @@ class Environment {
   double distance(std::size_t i) const { return distance_[i]; }  ///< [L] when it was set
 
   /// The observation of every lane, component k of lane i at out[k * lanes() + i], with
-  ///   cos theta_d = c p_x + s p_y,  sin theta_d = s p_x - c p_y,  (c, s) of the heading.
+  ///   cos theta_d = c p_x + s p_y,  sin theta_d = s p_x - c p_y,  (c, s) of the axis.
   void observe(double* out) const;
 
   /// Takes one action step. rates [1/T0], hinge j of lane i at [j * lanes() + i], must be finite;

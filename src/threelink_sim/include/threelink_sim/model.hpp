@@ -35,6 +35,8 @@ struct Model {
   int hinges() const { return links - 1; }
   /// Index, from 0, of the link whose angle is the swimmer's heading: theta_2 of three.
   int heading_link() const { return links / 2; }
+  // N odd: the heading link is then the same one counted from either end.
+  bool has_middle_link() const { return links % 2 == 1; }
   double link_length() const { return 1.0 / links; }
 
   /// Throws std::invalid_argument that names field, value and bound.

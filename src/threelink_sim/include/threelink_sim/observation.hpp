@@ -1,17 +1,19 @@
 /// @file
-/// The observation of the agent.
+/// What the agent is shown of the swimmer and its target.
 ///
-///
-/// theta_d = theta_h - theta_T is the angle of the heading link relative to the direction to the
-/// target, p = (cos theta_T, sin theta_T), and r the distance to it. N links:
+/// theta_d = theta_a - theta_T is the angle of the swimmer's axis against the direction to the
+/// target, p = (cos theta_T, sin theta_T), and r the distance to it. The axis is that of the middle
+/// link, theta_a = theta_h; an even number of links has two in the middle, of which it takes the
+/// mean, theta_a = (theta_{N/2} + theta_{N/2+1}) / 2 = theta_h - alpha_{N/2} / 2. So it turns by
+/// pi, and no more, if the links are counted from the other end, which symmetry.hpp of
+/// threelink_agent relies on. N links:
 ///
 ///   direction  cos theta_d, sin theta_d, alpha_1 .. alpha_{N-1}         (the paper's)
 ///   target     the same, then w cos theta_d, w sin theta_d, (ln r + 4) / 2
 ///              with r clipped to [kNearest, kFarthest] and w = tanh(r / 0.1)
 ///
-/// Beyond kFarthest, "target" carries no more information than "direction". At smaller distances it
-/// also tells the distance, and the weight w of the direction, which then oscillates within a
-/// stroke, decreases.
+/// Far away "target" says no more than "direction"; near by it says how near, and the direction,
+/// which then swings within a stroke, loses its weight.
 #pragma once
 
 #include <string>

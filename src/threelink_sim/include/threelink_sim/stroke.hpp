@@ -43,9 +43,13 @@ StrokeMeasures measure(const Stroke& stroke);
 /// The start, with the centroid at the origin, from which the net displacement points along +x.
 SwimmerState aligned_start(const Stroke& stroke);
 
-/// Purcell's stroke: the outer hinges move one at a time at rate 1 between the angles low < high
-/// [rad], clockwise in the plane (first hinge, last hinge) from (low, low). `pieces`, a multiple of
-/// 4, have equal length. All other hinges remain straight.
+/// [L/T0] of the fastest stroke of 3 to 8 links with gamma = 1/2 and rates within [-1, 1], as
+/// optimal_stroke finds it (docs/links.md); NaN for other numbers of links.
+double fastest_speed(int links);
+
+/// Purcell's stroke: the outer hinges swing between angles low < high [rad], one at a time at rate
+/// 1, clockwise in the plane (first hinge, last hinge) from (low, low), so that `pieces`, a
+/// multiple of 4, are equal. All other hinges stay straight.
 Stroke square_stroke(const Model& model, double low, double high, int pieces);
 
 }  // namespace threelink_sim

@@ -58,8 +58,14 @@ void Batch::set_pose(std::size_t i, const Eigen::Vector2d& centroid, double head
   heading_[i] = heading;
 }
 
-void Batch::heading_sincos(double* sine, double* cosine) const {
-  kernels_->sincos(n_, heading_.data(), sine, cosine);
+void Batch::axis_sincos(double* sine, double* cosine) const {
+  if (model_.has_middle_link()) {
+    kernels_->sincos(n_, heading_.data(), sine, cosine);
+    return;
+  }
+  const double* between = alpha(model_.heading_link() - 1);  // of the two middle links
+  for (std::size_t i = 0; i < n_; ++i) cosine[i] = heading_[i] - 0.5 * between[i];
+  kernels_->sincos(n_, cosine, sine, cosine);
 }
 
 void Batch::look_at_distance(const double* r, double* weight, double* log) const {

@@ -93,7 +93,7 @@ void Environment::set_direction(std::size_t i, const Eigen::Vector2d& p) {
 
 void Environment::observe(double* out) const {
   const std::size_t n = lanes();
-  batch_.heading_sincos(sine_.data(), cosine_.data());
+  batch_.axis_sincos(sine_.data(), cosine_.data());
   for (std::size_t i = 0; i < n; ++i) {
     out[i] = cosine_[i] * px_[i] + sine_[i] * py_[i];
     out[n + i] = sine_[i] * px_[i] - cosine_[i] * py_[i];

@@ -15,7 +15,16 @@ namespace {
 using Eigen::Index;
 
 constexpr int kCoarsePieces = 40;  // all starts climb with these; only the best goes on
+// Of many hinges with fewer, since a climb takes a time that goes as the cube of the unknowns.
+constexpr int kCoarseUnknowns = 120, kFewestCoarse = 20;
 constexpr int kMinPieces = 8, kMaxPieces = 1000;
+
+int coarse_pieces(const StrokeSearch& search) {
+  const int hinges = search.model.hinges();
+  const int coarse =
+      hinges <= 2 ? kCoarsePieces : std::max(kFewestCoarse, kCoarseUnknowns / hinges);
+  return std::min(search.pieces, coarse);
+}
 
 // Hinges that swing sinusoidally, each with an amplitude and a phase of its own.
 StrokeVariables random_start(const StrokeSearch& search, std::uint32_t start, int pieces) {
@@ -124,9 +133,9 @@ OptimalStroke find_optimal_stroke(const StrokeSearch& search, const ClimbWatch& 
                                   const ClimbWatch& on_end) {
   search.validate();
   OptimalStroke result;
-  const auto climbed = [&](const std::string& name, Period period, double margin,
+  const auto climbed = [&](const std::string& name, Period period, double margin, Rates rates,
                            StrokeVariables& x) {
-    result.climbs.push_back(climb(search, name, period, margin, on_step, x));
+    result.climbs.push_back(climb(search, name, period, margin, rates, on_step, x));
     on_end(result.climbs.back());
     return result.climbs.back().converged;
   };
@@ -135,8 +144,9 @@ OptimalStroke find_optimal_stroke(const StrokeSearch& search, const ClimbWatch& 
   double best_value = -HUGE_VAL;
   const double all_angles = search.model.joint_limit;
   for (int start = 0; start < search.starts; ++start) {
-    StrokeVariables x = random_start(search, start, std::min(search.pieces, kCoarsePieces));
-    if (!climbed(fmt::format("start {}", start + 1), Period::kFree, all_angles, x)) continue;
+    StrokeVariables x = random_start(search, start, coarse_pieces(search));
+    if (!climbed(fmt::format("start {}", start + 1), Period::kFree, all_angles, Rates::kAll, x))
+      continue;
     if (result.climbs.back().value <= best_value) continue;
     best = x;
     best_value = result.climbs.back().value;
@@ -150,7 +160,9 @@ OptimalStroke find_optimal_stroke(const StrokeSearch& search, const ClimbWatch& 
     const bool free = search.dt == 0;
     StrokeVariables x = resampled(best, pieces, free ? period / pieces : search.dt);
     constexpr double kMargin = 0.5;  // [rad]
-    if (!climbed("refinement", free ? Period::kFree : Period::kFixed, kMargin, x)) continue;
+    // Three links are soon refined as they are.
+    const Rates rates = search.model.hinges() > 2 ? Rates::kFewer : Rates::kAll;
+    if (!climbed("refinement", free ? Period::kFree : Period::kFixed, kMargin, rates, x)) continue;
     if (result.climbs.back().value <= best_value) continue;
     best_value = result.climbs.back().value;
     if (!free) x.dt = search.dt;  // without the rounding of the optimiser's units

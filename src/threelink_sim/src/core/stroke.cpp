@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -66,6 +67,13 @@ StrokeMeasures measure(const Stroke& stroke) {
   m.power = m.work / stroke.period();
   m.efficiency = m.power > 0 ? stroke.model.gamma * m.speed * m.speed / m.power : 0;
   return m;
+}
+
+double fastest_speed(int links) {
+  constexpr double kSpeeds[] = {0.0129154, 0.0218664, 0.0303811, 0.0387526, 0.0467596, 0.0545997};
+  constexpr int kFirst = 3, kLast = kFirst + sizeof(kSpeeds) / sizeof(*kSpeeds) - 1;
+  return links >= kFirst && links <= kLast ? kSpeeds[links - kFirst]
+                                           : std::numeric_limits<double>::quiet_NaN();
 }
 
 SwimmerState aligned_start(const Stroke& stroke) {

@@ -17,7 +17,7 @@ constexpr int kRounds = 20;  // of adding angles to be held to the joint limit
 // True if the optimiser stopped by itself.
 bool maximise(StrokeProblem& problem, Period period, bool rates_bounded, const StrokeVariables& x) {
   const Eigen::VectorXd z = problem.pack(x);
-  const Eigen::Index first_rate = problem.rate_at(0, 0);
+  const Eigen::Index first_rate = problem.first_rate();
   const double dt = z[problem.dt_at()], bound = rates_bounded ? 1 : HUGE_VAL;
   std::vector<double> low(z.size(), -HUGE_VAL), high(z.size(), HUGE_VAL);
   std::fill(low.begin() + first_rate, low.end(), -bound);
@@ -61,10 +61,16 @@ bool maximise(StrokeProblem& problem, Period period, bool rates_bounded, const S
   }
 }
 
+// Not so if the optimiser lost its way and ended elsewhere than at the best that it came by.
+bool at_best(const Climb& climb) {
+  const ClimbStep& last = climb.history.back();
+  return last.violation <= 1e-6 && std::abs(last.value - climb.value) <= 1e-6 * climb.value;
+}
+
 }  // namespace
 
 Climb climb(const StrokeSearch& search, const std::string& name, Period period, double margin,
-            const ClimbWatch& on_step, StrokeVariables& x) {
+            Rates rates, const ClimbWatch& on_step, StrokeVariables& x) {
   const auto begin = std::chrono::steady_clock::now();
   Climb result;
   result.name = name;
@@ -72,6 +78,15 @@ Climb climb(const StrokeSearch& search, const std::string& name, Period period, 
   // The efficiency does not depend on the period, if that is free: it is scaled afterwards.
   const bool scaled = search.objective == Objective::kEfficiency && period == Period::kFree;
   StrokeProblem problem(search, x, result, on_step);
+  if (rates == Rates::kFewer && scaled) {
+    // Those that the pieces resolve.
+    const int modes = std::min(20, static_cast<int>(x.rates.cols() - 1) / 2);
+    problem.restrict_to(harmonics(x.rates.rows(), x.rates.cols(), modes));
+  }
+  const bool saturated = rates == Rates::kFewer && !scaled;
+  // A piece of the coarse grid in which a rate changes its sign says where, within itself.
+  constexpr Eigen::Index kCoarse = 40;
+  if (saturated) problem.fix_saturated(x, x.rates.cols() / kCoarse);
   problem.hold(x, margin);
   bool more = true;
   for (int round = 0; more && round < kRounds; ++round) {
@@ -80,11 +95,11 @@ Climb climb(const StrokeSearch& search, const std::string& name, Period period, 
     if (!stopped || !problem.found()) break;
     x = problem.best();
     more = problem.hold(x, 0);
+    if (saturated && problem.release(x)) more = true;
+    if (rates == Rates::kFewer && !at_best(result)) more = true;  // from there anew
   }
-  // Lost, if it ended away from the best that it came by, or at rest.
-  const ClimbStep& last = result.history.back();
-  result.converged = !more && last.violation <= 1e-6 && result.value > 1e-9 &&
-                     std::abs(last.value - result.value) <= 1e-6 * result.value;
+  // Not at rest, either.
+  result.converged = !more && result.value > 1e-9 && at_best(result);
   if (scaled) {
     const double fastest = x.rates.cwiseAbs().maxCoeff();
     x.rates /= fastest;

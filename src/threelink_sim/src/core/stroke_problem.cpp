@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/QR>
+
 namespace threelink_sim {
 namespace {
 
@@ -35,7 +37,11 @@ Eigen::VectorXd StrokeProblem::pack(const StrokeVariables& x) const {
   Eigen::VectorXd z(size());
   z.head(hinges_) = root_ * x.start;
   z[dt_at()] = dt_scale_ * x.dt;
-  z.tail(hinges_ * pieces_) = VectorMap(x.rates.data(), hinges_ * pieces_);
+  const VectorMap all(x.rates.data(), rates());
+  if (whole())
+    z.tail(rates()) = all;
+  else
+    z.tail(space_.basis.cols()) = space_.basis.transpose() * (all - space_.fixed);
   return z;
 }
 
@@ -43,7 +49,13 @@ StrokeVariables StrokeProblem::unpack(const double* z) const {
   StrokeVariables x;
   x.start = VectorMap(z, hinges_) / root_;
   x.dt = z[dt_at()] / dt_scale_;
-  x.rates = Eigen::Map<const Eigen::MatrixXd>(z + rate_at(0, 0), hinges_, pieces_);
+  if (whole()) {
+    x.rates = Eigen::Map<const Eigen::MatrixXd>(z + first_rate(), hinges_, pieces_);
+  } else {
+    const VectorMap y(z + first_rate(), space_.basis.cols());
+    const Eigen::VectorXd all = space_.fixed + space_.basis * y;
+    x.rates = Eigen::Map<const Eigen::MatrixXd>(all.data(), hinges_, pieces_);
+  }
   return x;
 }
 
@@ -51,7 +63,15 @@ void StrokeProblem::put(double* gradient, const StrokeVariables& by) const {
   Eigen::Map<Eigen::VectorXd> g(gradient, size());
   g.head(hinges_) = by.start / root_;
   g[dt_at()] = by.dt / dt_scale_;
-  g.tail(hinges_ * pieces_) = VectorMap(by.rates.data(), hinges_ * pieces_);
+  put_rates(gradient, VectorMap(by.rates.data(), rates()));
+}
+
+void StrokeProblem::put_rates(double* gradient, const Eigen::VectorXd& by) const {
+  Eigen::Map<Eigen::VectorXd> g(gradient + first_rate(), size() - first_rate());
+  if (whole())
+    g = by;
+  else
+    g = space_.basis.transpose() * by;
 }
 
 const StrokeVariables& StrokeProblem::at(const double* z) {
@@ -77,22 +97,24 @@ double StrokeProblem::objective_scale() const {
   return 1;
 }
 
+StrokeProblem::Slopes StrokeProblem::slopes() const {
+  const StrokeQuantity &distance = outcome_.distance, &work = outcome_.work;
+  const double period = x_.dt * pieces_;
+  if (search_.objective == Objective::kEfficiency) {
+    const double value =
+        search_.model.gamma * distance.value * distance.value / (period * work.value);
+    return {value, 2 * value / distance.value, -value / work.value};
+  }
+  const bool energy_aware = search_.objective == Objective::kEnergyAware;
+  const double b = energy_aware ? search_.b : 1, c = energy_aware ? search_.c : 0;
+  return {(b * distance.value - c * work.value) / period, b / period, -c / period};
+}
+
 double StrokeProblem::objective(const double* z, double* gradient) {
   const StrokeVariables& x = at(z);
   const StrokeQuantity &distance = outcome_.distance, &work = outcome_.work;
-  const double period = x.dt * pieces_, scale = pieces_ * objective_scale();
-  double value, by_distance, by_work;
-  if (search_.objective == Objective::kEfficiency) {
-    value = search_.model.gamma * distance.value * distance.value / (period * work.value);
-    by_distance = 2 * value / distance.value;
-    by_work = -value / work.value;
-  } else {
-    const bool energy_aware = search_.objective == Objective::kEnergyAware;
-    const double b = energy_aware ? search_.b : 1, c = energy_aware ? search_.c : 0;
-    value = (b * distance.value - c * work.value) / period;
-    by_distance = b / period;
-    by_work = -c / period;
-  }
+  const double scale = pieces_ * objective_scale();
+  const auto [value, by_distance, by_work] = slopes();
   if (gradient) {
     StrokeVariables by;
     by.start = scale * (by_distance * distance.by.start + by_work * work.by.start);
@@ -125,8 +147,11 @@ void StrokeProblem::equalities(double* result, const double* z, double* gradient
   if (!gradient) return;
   Rows rows(gradient, equalities(), size());
   rows.setZero();
-  for (Index j = 0; j < hinges_; ++j)
-    for (Index k = 0; k < pieces_; ++k) rows(j, rate_at(j, k)) = 1;
+  for (Index j = 0; j < hinges_; ++j) {
+    Eigen::VectorXd by = Eigen::VectorXd::Zero(rates());
+    for (Index k = 0; k < pieces_; ++k) by[rate_at(j, k)] = 1;
+    put_rates(&rows(j, 0), by);
+  }
   put(&rows(hinges_, 0), outcome_.rotation.by);
 }
 
@@ -142,8 +167,95 @@ void StrokeProblem::inequalities(double* result, const double* z, double* gradie
     const auto [j, piece, sign] = held_[i];
     rows(i, j) = sign / root_;
     rows(i, dt_at()) = sign * (angles(j, piece) - x.start[j]) / x.dt / dt_scale_;
-    for (Index k = 0; k < piece; ++k) rows(i, rate_at(j, k)) = sign * x.dt;
+    Eigen::VectorXd by = Eigen::VectorXd::Zero(rates());
+    for (Index k = 0; k < piece; ++k) by[rate_at(j, k)] = sign * x.dt;
+    put_rates(&rows(i, 0), by);
   }
+}
+
+void StrokeProblem::fix_saturated(const StrokeVariables& x, Index margin) {
+  constexpr double kAtBound = 1 - 1e-9;
+  const auto inside = [&](Index j, Index k) {
+    const double rate = x.rates(j, k), next = x.rates(j, (k + 1) % pieces_);
+    return std::abs(rate) < kAtBound || rate * next < 0;
+  };
+  free_.assign(rates(), false);
+  for (Index j = 0; j < hinges_; ++j)
+    for (Index k = 0; k < pieces_; ++k)
+      for (Index near = -margin; inside(j, k) && near <= margin; ++near)
+        free_[rate_at(j, (k + near + pieces_) % pieces_)] = true;
+  space_.fixed = VectorMap(x.rates.data(), rates());
+  select_free();
+}
+
+void StrokeProblem::select_free() {
+  space_.basis.setZero(rates(), std::count(free_.begin(), free_.end(), true));
+  for (Index i = 0, column = 0; i < rates(); ++i) {
+    if (!free_[i]) continue;
+    space_.fixed[i] = 0;
+    space_.basis(i, column++) = 1;
+  }
+  z_.resize(0);
+}
+
+bool StrokeProblem::release(const StrokeVariables& x) {
+  x_ = x;
+  outcome_ = stroke_outcome(search_.model, x);
+  z_.resize(0);
+  const auto [value, by_distance, by_work] = slopes();
+  const Eigen::MatrixXd by =
+      by_distance * outcome_.distance.by.rates + by_work * outcome_.work.by.rates;
+  // Columns: what each constraint that binds changes by with each rate.
+  Eigen::MatrixXd constraints = Eigen::MatrixXd::Zero(rates(), hinges_ + 1);
+  for (Index i = 0; i < rates(); ++i) constraints(i, i % hinges_) = 1;
+  constraints.col(hinges_) = VectorMap(outcome_.rotation.by.rates.data(), rates());
+  const Eigen::MatrixXd angles = angles_of(x);
+  for (const auto& [hinge, piece, sign] : held_) {
+    constexpr double kBinds = 1e-6;  // [rad]
+    if (sign * angles(hinge, piece) < limit() - kBinds) continue;
+    constraints.conservativeResize(Eigen::NoChange, constraints.cols() + 1);
+    constraints.rightCols<1>().setZero();
+    for (Index k = 0; k < piece; ++k) constraints(rate_at(hinge, k), constraints.cols() - 1) = sign;
+  }
+  // Multipliers: what the rates within their bounds say.
+  constexpr double kWithin = 1 - 1e-6;
+  const VectorMap all(x.rates.data(), rates()), gradient(by.data(), rates());
+  Eigen::VectorXd weight(rates());
+  for (Index i = 0; i < rates(); ++i) weight[i] = std::abs(all[i]) < kWithin;
+  const Eigen::MatrixXd within = weight.asDiagonal() * constraints;
+  const Eigen::VectorXd multipliers =
+      within.completeOrthogonalDecomposition().solve(weight.cwiseProduct(gradient));
+  const Eigen::VectorXd reduced = gradient - constraints * multipliers;
+  const double least = 1e-3 * reduced.cwiseAbs().maxCoeff();
+  bool more = false;
+  for (Index i = 0; i < rates(); ++i) {
+    if (free_[i] || reduced[i] * all[i] > -least) continue;
+    free_[i] = more = true;
+  }
+  space_.fixed = all;
+  select_free();
+  return more;
+}
+
+RateSpace harmonics(Eigen::Index hinges, Eigen::Index pieces, int modes) {
+  Eigen::MatrixXd of_one(pieces, 2 * modes + 1);
+  for (Eigen::Index k = 0; k < pieces; ++k) {
+    const double phase = 2 * kPi * (static_cast<double>(k) + 0.5) / static_cast<double>(pieces);
+    of_one(k, 0) = 1;
+    for (int m = 1; m <= modes; ++m) {
+      of_one(k, 2 * m - 1) = std::cos(m * phase);
+      of_one(k, 2 * m) = std::sin(m * phase);
+    }
+  }
+  of_one.colwise().normalize();
+  RateSpace space;
+  space.fixed.setZero(hinges * pieces);
+  space.basis.setZero(hinges * pieces, hinges * of_one.cols());
+  for (Eigen::Index j = 0; j < hinges; ++j)
+    for (Eigen::Index k = 0; k < pieces; ++k)
+      for (Eigen::Index m = 0; m < of_one.cols(); ++m)
+        space.basis(k * hinges + j, j * of_one.cols() + m) = of_one(k, m);
+  return space;
 }
 
 bool StrokeProblem::is_held(Index hinge, Index piece, double sign) const {

@@ -10,10 +10,21 @@
 
 namespace threelink_sim {
 
+// rates (by piece, then hinge) = fixed + basis y, with orthonormal columns. An empty basis stands
+// for all rates, fixed = 0.
+struct RateSpace {
+  Eigen::VectorXd fixed;
+  Eigen::MatrixXd basis;
+};
+
+// The first `modes` harmonics of the period, and the mean, of each hinge.
+RateSpace harmonics(Eigen::Index hinges, Eigen::Index pieces, int modes);
+
 // A stroke of K pieces has the unknowns
 //   z = (sqrt(K) start, sqrt(K) dt / dt_0, rates by piece)
 // and the objective K f, which makes second derivatives about 1 whatever K is: SLSQP begins with
-// the identity.
+// the identity. A step of SLSQP costs as the cube of the unknowns, so that the rates may be
+// restricted to those of a RateSpace, whose coordinates then are the unknowns.
 class StrokeProblem {
  public:
   using Index = Eigen::Index;
@@ -22,9 +33,9 @@ class StrokeProblem {
   StrokeProblem(const StrokeSearch& search, const StrokeVariables& x, Climb& climb,
                 const ClimbWatch& on_step);
 
-  Index size() const { return hinges_ + 1 + hinges_ * pieces_; }
+  Index size() const { return first_rate() + (whole() ? rates() : space_.basis.cols()); }
   Index dt_at() const { return hinges_; }
-  Index rate_at(Index hinge, Index piece) const { return hinges_ + 1 + piece * hinges_ + hinge; }
+  Index first_rate() const { return hinges_ + 1; }  // and up to the end
   Eigen::VectorXd pack(const StrokeVariables& x) const;
 
   // K times the objective, in units that make it about 1. Gradients, here and below, may be null.
@@ -40,6 +51,14 @@ class StrokeProblem {
 
   // Holds the angles of x beyond limit - margin that are not held yet; false if there are none.
   bool hold(const StrokeVariables& x, double margin);
+
+  void restrict_to(const RateSpace& space) { space_ = space; }
+  // Fixes the rates of x that are at their bounds, but for those next in time to one that is not or
+  // that changes sign, up to `margin` pieces away.
+  void fix_saturated(const StrokeVariables& x, Index margin);
+  // Of these frees the ones that the gradient at x, with the multipliers of the constraints, would
+  // move inwards; false if there are none.
+  bool release(const StrokeVariables& x);
 
   // The best feasible stroke so far. (NLopt's own choice falls back to the start where the last
   // steps are lost in rounding.)
@@ -62,6 +81,17 @@ class StrokeProblem {
   bool is_held(Index hinge, Index piece, double sign) const;
   double violation(const StrokeVariables& x) const;
   StrokeVariables unpack(const double* z) const;
+  bool whole() const { return space_.basis.size() == 0; }
+  Index rates() const { return hinges_ * pieces_; }
+  Index rate_at(Index hinge, Index piece) const { return piece * hinges_ + hinge; }
+  void select_free();  // the space of the rates that are free_
+  // A gradient by all rates becomes one by their coordinates.
+  void put_rates(double* gradient, const Eigen::VectorXd& by) const;
+  // The weights of distance and work in the derivative of the objective.
+  struct Slopes {
+    double value, by_distance, by_work;
+  };
+  Slopes slopes() const;
   // A gradient by the variables becomes one by z.
   void put(double* gradient, const StrokeVariables& by) const;
   // The stroke at z. Objective and constraints are asked for at one point after the other, and
@@ -75,6 +105,8 @@ class StrokeProblem {
   Climb& climb_;
   const ClimbWatch& on_step_;
   std::vector<Held> held_;
+  RateSpace space_;
+  std::vector<bool> free_;  // rates, where some are fixed
   Eigen::VectorXd z_;
   StrokeVariables x_;
   StrokeOutcome outcome_;

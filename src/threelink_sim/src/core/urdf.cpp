@@ -12,7 +12,9 @@ constexpr double kHingeRadius = 0.015;
 // A box along x from the link's frame; `centre` is the box's [m].
 std::string link(const RobotDescription& robot, int number, double centre, bool hinge) {
   const double metre = robot.length_scale, width = kLinkWidth * metre;
-  const bool heading = number == robot.model.heading_link() + 1;
+  // The axis of the swimmer: the middle link, or of an even number the middle two.
+  const int links = robot.model.links;
+  const bool middle = number == links / 2 + 1 || number == (links + 1) / 2;
   std::string text = fmt::format(
       R"(  <link name="link_{}">
     <visual>
@@ -21,8 +23,7 @@ std::string link(const RobotDescription& robot, int number, double centre, bool 
       <material name="{}"/>
     </visual>
 )",
-      number, centre, metre * robot.model.link_length(), width, width,
-      heading ? "heading" : "limb");
+      number, centre, metre * robot.model.link_length(), width, width, middle ? "heading" : "limb");
   if (hinge)
     text += fmt::format(
         R"(    <visual>

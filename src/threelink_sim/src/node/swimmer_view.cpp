@@ -1,10 +1,12 @@
 #include "threelink_sim/node/swimmer_view.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "threelink_sim/node/topics.hpp"
+#include "threelink_sim/stroke_period.hpp"
 
 namespace threelink_sim {
 namespace {
@@ -67,7 +69,11 @@ void SwimmerView::clear() {
 void SwimmerView::add(const threelink_msgs::SwimmerState& state) {
   if (state.episode != state_.episode || state.step <= state_.step) clear();
   state_ = state;
-  trail_.push_back({{state.centroid[0], state.centroid[1]}, state.work});
+  const auto hinges =
+      static_cast<Eigen::Index>(std::min<std::size_t>(state.alpha.size(), kMaxHinges));
+  trail_.push_back({{state.centroid[0], state.centroid[1]},
+                    state.work,
+                    Eigen::Map<const Eigen::VectorXd>(state.alpha.data(), hinges)});
   if (trail_.size() > kTrail) trail_.pop_front();
 
   geometry_msgs::PoseStamped pose;
@@ -105,7 +111,9 @@ void SwimmerView::draw_markers() {
     link.pose.position = point(metre * link_midpoint(state_, i), 0);
     link.pose.orientation = yaw_quaternion(state_.theta[i]);
     link.scale = size(metre / links, metre * kLinkWidth, metre * kLinkWidth);
-    link.color = i == links / 2 ? colour(0.95, 0.55, 0.15) : colour(0.20, 0.45, 0.75);
+    // The axis of the swimmer: the middle link, or of an even number the middle two.
+    const bool middle = i == links / 2 || i == (links - 1) / 2;
+    link.color = middle ? colour(0.95, 0.55, 0.15) : colour(0.20, 0.45, 0.75);
   }
 
   const Eigen::Vector2d centroid = trail_.back().centroid;
@@ -139,15 +147,26 @@ void SwimmerView::draw_markers() {
   marker_publisher_.publish(array);
 }
 
+std::size_t SwimmerView::window() const {
+  const std::size_t states = std::min(trail_.size(), kSteady + 1);
+  const Eigen::Index hinges = trail_.back().alpha.size();
+  if (hinges <= 2) return kSmoothing;
+  Eigen::MatrixXd angles(hinges, static_cast<Eigen::Index>(states));
+  for (std::size_t i = 0; i < states; ++i)
+    angles.col(static_cast<Eigen::Index>(i)) = trail_[trail_.size() - states + i].alpha;
+  return static_cast<std::size_t>(smoothing(angles));
+}
+
 std::string SwimmerView::caption() const {
   std::string text = fmt::format("episode {}  step {}", state_.episode, state_.step);
   if (target_) {
     const double distance = (*target_ / config_.scales.length - trail_.back().centroid).norm();
     text += fmt::format("\ndistance {:.4g} L", distance);
   }
-  if (trail_.size() < kWindow) return text;
-  const std::size_t first = trail_.size() - kWindow;
-  const double time = (kWindow - 1) * config_.dt;
+  const std::size_t positions = window();
+  if (trail_.size() < positions) return text;
+  const std::size_t first = trail_.size() - positions;
+  const double time = static_cast<double>(positions - 1) * config_.dt;
   const double speed = (trail_.back().centroid - trail_[first].centroid).norm() / time;
   double work = 0;
   for (std::size_t i = first + 1; i < trail_.size(); ++i) work += trail_[i].work;

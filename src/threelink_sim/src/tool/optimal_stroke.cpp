@@ -38,7 +38,8 @@ struct Options {
   bool print_json = false;
 };
 
-// A climb as it goes: on a terminal one line that is redrawn, elsewhere one line when it is over.
+// A climb as it goes: on a terminal one line that is redrawn, elsewhere one every few seconds; and
+// one when it is over.
 class Progress {
  public:
   ~Progress() {
@@ -47,13 +48,14 @@ class Progress {
 
   void show(const Climb& climb) {
     const auto now = std::chrono::steady_clock::now();
-    constexpr std::chrono::milliseconds kRedraw(100);
-    if (!terminal_ || now - last_ < kRedraw) return;
+    const std::chrono::milliseconds wait(terminal_ ? 100 : 5000);
+    if (now - last_ < wait) return;
     last_ = now;
     shown_ = true;
     const ClimbStep& step = climb.history.back();
-    fmt::print(stderr, "\r\033[K{} ({} pieces): step {}, value {:.8g}, violation {:.1e}",
-               climb.name, climb.pieces, step.evaluation, step.value, step.violation);
+    fmt::print(stderr, "{}{} ({} pieces): step {}, value {:.8g}, violation {:.1e}{}",
+               terminal_ ? "\r\033[K" : "", climb.name, climb.pieces, step.evaluation, step.value,
+               step.violation, terminal_ ? "" : "\n");
     std::fflush(stderr);
   }
 
@@ -68,7 +70,7 @@ class Progress {
  private:
   bool terminal_ = isatty(STDERR_FILENO);
   bool shown_ = false;
-  std::chrono::steady_clock::time_point last_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 json climbs_to_json(const std::vector<Climb>& climbs) {

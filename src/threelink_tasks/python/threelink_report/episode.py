@@ -14,7 +14,8 @@ from threelink_msgs.msg import Episode as EpisodeMessage
 from threelink_msgs.msg import SwimmerState
 from threelink_report.bag import BagError, decode, printable, read_messages
 
-SMOOTHING = 71  # positions in one mean, about a stroke
+SMOOTHING = 71  # positions in one mean, about a stroke; of three links, and where there is no stroke
+STEADY = 500  # last steps, in which the stroke of other numbers of links is looked for
 TRANSLATION = 2.5  # [degrees] |theta_s| up to which the swimmer is in translation, beyond it steers
 OUTCOMES = {0: "not ended", 1: "captured", 2: "not captured (time-out)", 3: "aborted"}
 CAPTURED = 1
@@ -56,6 +57,7 @@ class Episode:
         self.centroids, self.x_1 = column("centroid"), column("x_1")
         self.theta, self.alpha, self.rates = column("theta"), column("alpha"), column("hinge_rates")
         self.power, self.work = column("power"), column("work")
+        self.smoothing = smoothing(self.alpha)
         metre = simulator["length_scale"]
         self.targets = answers(states, messages["target"]) / metre
         self.distances = np.linalg.norm(self.targets - self.centroids, axis=1)
@@ -121,20 +123,21 @@ class Episode:
 
 
 class Motion:
-    """The smoothed way: each value is a mean over SMOOTHING positions around its time.
+    """The smoothed way: each value is a mean over episode.smoothing positions around its time.
 
-    Row j belongs to state j + SMOOTHING // 2; there are none of less than SMOOTHING + 1 states.
+    Row j belongs to state j + episode.smoothing // 2; there are none of less than that many + 1.
     """
 
     def __init__(self, episode):
-        if len(episode.times) <= SMOOTHING:
+        width = episode.smoothing
+        if len(episode.times) <= width:
             self.times = self.speed = self.power = self.efficiency = self.theta_s = np.empty(0)
             self.way, self.steering = np.empty((0, 2)), np.empty(0, bool)
             return
-        mean = lambda values: np.convolve(values, np.full(SMOOTHING, 1 / SMOOTHING), "valid")
+        mean = lambda values: np.convolve(values, np.full(width, 1 / width), "valid")
         self.way = np.column_stack([mean(column) for column in episode.centroids.T])
         velocity = np.diff(self.way, axis=0) / episode.dt
-        middle = slice(SMOOTHING // 2, SMOOTHING // 2 + len(velocity))
+        middle = slice(width // 2, width // 2 + len(velocity))
         self.times = episode.times[middle]
         self.speed = np.linalg.norm(velocity, axis=1)
         # Row k + 1 is the work from the smoothed position k to the next.
@@ -146,6 +149,28 @@ class Motion:
         # In [-180, 180) degrees.
         self.theta_s = (np.degrees(angles[0] - angles[1]) + 180) % 360 - 180
         self.steering = np.abs(self.theta_s) > TRANSLATION
+
+
+def smoothing(alpha):
+    """Positions, an odd number, whose mean is free of the stroke's to and fro; threelink_sim/stroke_period.hpp.
+
+    alpha (n, N - 1). Of three links it is always the same.
+    """
+    alpha = alpha[-STEADY - 1:]
+    if alpha.shape[1] <= 2 or len(alpha) < 2:
+        return SMOOTHING
+    spread = alpha - alpha.mean(axis=0)
+    plane = spread @ np.linalg.eigh(spread.T @ spread)[1][:, -2:]
+    if np.linalg.norm(plane[:, 0]) <= 1e-9 * np.linalg.norm(plane[:, 1]):
+        return SMOOTHING
+    plane -= plane[:-1].mean(axis=0)
+    turns = np.diff(np.unwrap(np.arctan2(plane[:, 1], plane[:, 0])))
+    turned = np.abs(np.cumsum(turns[::-1])) / (2 * math.pi)  # within the last 1, 2, .. steps
+    strokes = math.floor(turned.max())
+    if not strokes:
+        return SMOOTHING
+    period = (1 + int(np.argmax(turned >= strokes))) / strokes
+    return 2 * round((period - 1) / 2) + 1
 
 
 def read_episode(path):

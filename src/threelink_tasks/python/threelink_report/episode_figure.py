@@ -3,7 +3,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.ticker import StrMethodFormatter
 
-from threelink_report.episode import SMOOTHING, TRANSLATION, Motion
+from threelink_report.episode import TRANSLATION, Motion
 from threelink_report.style import BODY, STEERING, SWIMMER, TARGET, plain
 
 SPACING = 1.0  # [L] at least, between the places where the swimmer itself is drawn
@@ -55,8 +55,9 @@ def draw_path(axes, episode):
 def draw_phase_plane(axes, episode):
     first, last = np.degrees(episode.alpha[:, 0]), np.degrees(episode.alpha[:, -1])
     axes.plot(first, last, color=BODY, linewidth=0.5)
-    axes.plot(first[-SMOOTHING - 1:], last[-SMOOTHING - 1:], color=SWIMMER, linewidth=1.5,
-              label=f"last {SMOOTHING} steps")
+    stroke = slice(-episode.smoothing - 1, None)
+    axes.plot(first[stroke], last[stroke], color=SWIMMER, linewidth=1.5,
+              label=f"last {episode.smoothing} steps")
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="first hinge / degrees", ylabel="last hinge / degrees")
     axes.legend(fontsize="small", loc="upper right")
@@ -99,7 +100,7 @@ def draw_all(episode):
     draw_phase_plane(figure.add_subplot(grid[0, 3:]), episode)
     motion = Motion(episode)
     if not len(motion.times):
-        figure.text(0.5, 0.3, f"no more than {SMOOTHING} states: no mean over a stroke",
+        figure.text(0.5, 0.3, f"no more than {episode.smoothing} states: no mean over a stroke",
                     ha="center")
         return figure
     rows = [figure.add_subplot(grid[1, :])]

@@ -8,7 +8,7 @@ import tempfile
 import matplotlib.pyplot as plt
 import numpy as np
 
-from threelink_report.episode import SMOOTHING, Motion
+from threelink_report.episode import Motion
 from threelink_report.files import OutputError, replacing
 from threelink_report.style import BODY, SWIMMER, TARGET, plain
 
@@ -151,7 +151,7 @@ class Scene:
         self.show(self.target, self.within(episode.targets[index:index + 1]))
         self.show(self.swimmer, episode.ends(index))
         self.show(self.centroid, episode.centroids[index:index + 1])
-        hinges = np.degrees(episode.alpha[max(0, index - SMOOTHING):index + 1][:, [0, -1]])
+        hinges = np.degrees(episode.alpha[max(0, index - episode.smoothing):index + 1][:, [0, -1]])
         self.show(self.stroke, hinges)
         self.show(self.shape, hinges[-1:])
         self.clock.set_text(f"t = {episode.times[index]:.1f} T₀, step {episode.steps[index]}")
@@ -172,7 +172,7 @@ class Scene:
 
     def telling(self, index):
         lines = [f"distance to the target  {self.episode.distances[index]:.4g} L"]
-        row = index - SMOOTHING // 2
+        row = index - self.episode.smoothing // 2
         if 0 <= row < len(self.motion.times):
             lines += [f"speed  {self.motion.speed[row]:.5f} L/T₀",
                       f"efficiency  {100 * self.motion.efficiency[row]:.2f} %"]

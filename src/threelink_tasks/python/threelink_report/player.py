@@ -11,7 +11,7 @@ import string
 
 import numpy as np
 
-from threelink_report.episode import SMOOTHING, Motion
+from threelink_report.episode import Motion
 
 ASSETS = os.path.join(os.path.dirname(os.path.realpath(__file__)), "assets")
 
@@ -30,7 +30,7 @@ def player(episode, identifier):
     data = json.dumps(numbers(episode), separators=(",", ":")).replace("<", "\\u003c")
     return string.Template(asset("player.html")).substitute(
         id=html.escape(identifier), title=html.escape(episode.title()),
-        outcome=html.escape(episode.outcome), facts=facts, data=data)
+        outcome=html.escape(episode.outcome), facts=facts, data=data, smoothing=episode.smoothing)
 
 
 def page(episode):
@@ -55,7 +55,7 @@ def numbers(episode):
     }
     return {
         "dt": episode.dt, "links": episode.links, "captured": episode.captured,
-        "jointLimit": episode.config["simulator"]["joint_limit"], "smoothing": SMOOTHING,
+        "jointLimit": episode.config["simulator"]["joint_limit"], "smoothing": episode.smoothing,
         "waypoints": episode.waypoints.tolist(),
         "arrays": {name: encoded(array) for name, array in arrays.items()},
     }

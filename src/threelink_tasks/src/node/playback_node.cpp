@@ -3,30 +3,25 @@
 //
 // Nothing but the states is needed for that. The recorded joint_states and transforms are thinned
 // out at high speed, and are not played.
-#include <algorithm>
 #include <cmath>
 #include <string>
 
 #include <geometry_msgs/PointStamped.h>
 #include <ros/callback_queue.h>
 #include <tf2_ros/transform_broadcaster.h>
-#include <threelink_msgs/Episode.h>
-#include <yaml-cpp/yaml.h>
 
 #include "../core/bag_reader.hpp"
+#include "recorded_swimmer.hpp"
 #include "threelink_sim/node/intake.hpp"
 #include "threelink_sim/node/node_main.hpp"
 #include "threelink_sim/node/parameters.hpp"
-#include "threelink_sim/node/simulator_config.hpp"
 #include "threelink_sim/node/swimmer_view.hpp"
 #include "threelink_sim/node/topics.hpp"
-#include "threelink_sim/yaml.hpp"
 
 namespace threelink_tasks {
 namespace {
 
 namespace topics = threelink_sim::topics;
-using threelink_msgs::Episode;
 
 constexpr char kHelp[] = R"(playback_node: shows a recorded episode while rosbag plays it
 
@@ -62,21 +57,9 @@ struct PlaybackConfig {
 
 void read_bag(const std::string& path, PlaybackConfig& config) {
   const BagReader bag(path);
-  const auto start =
-      std::find_if(bag.messages().begin(), bag.messages().end(), [](const BagMessage& message) {
-        return message.connection->md5sum == ros::message_traits::md5sum<Episode>();
-      });
-  if (start == bag.messages().end()) throw BagError("it holds no episode");
+  const auto simulator = recorded_swimmer(bag);
   const BagTime end = bag.messages().back().time;
   config.end = ros::Time(end.seconds, end.nanoseconds);
-  Episode episode;
-  // The stream writes nothing.
-  auto* bytes = reinterpret_cast<std::uint8_t*>(const_cast<char*>(start->data.data()));
-  ros::serialization::IStream stream(bytes, static_cast<std::uint32_t>(start->data.size()));
-  ros::serialization::deserialize(stream, episode);
-  threelink_sim::ParameterMap parameters("simulator",
-                                         threelink_sim::parse_yaml(episode.config)["simulator"]);
-  const auto simulator = threelink_sim::read_simulator_config(parameters);
   config.view = {simulator.scales, simulator.environment.dt, simulator.environment.model.gamma};
 }
 

@@ -16,6 +16,7 @@
 #include "threelink_sim/command_line.hpp"
 #include "threelink_sim/output.hpp"
 #include "threelink_sim/plugins.hpp"
+#include "threelink_sim/stroke.hpp"
 #include "threelink_sim/yaml.hpp"
 
 namespace {
@@ -25,8 +26,7 @@ using threelink_agent::Policy;
 using threelink_sim::yaml_number;
 
 constexpr int kSuccess = 0;
-constexpr double kBestSpeed = 0.0129154;  // [L/T0] optimum under |rate| <= 1, dt = 0.1
-constexpr double kVRatio = 0.5;           // of a pursuit
+constexpr double kVRatio = 0.5;                                    // of a pursuit
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  // null in JSON
 
 struct Options {
@@ -95,7 +95,8 @@ struct Summary {
          final_distance = 0;  // medians: of the completed ones, but the last of all
 };
 
-Summary summarise(const std::vector<Trial>& trials, double dt) {
+// best_step: [L] of a step at the speed of the fastest stroke
+Summary summarise(const std::vector<Trial>& trials, double best_step) {
   Summary summary;
   std::vector<double> steps, ratios, distances;
   for (const Trial& trial : trials) {
@@ -103,8 +104,7 @@ Summary summarise(const std::vector<Trial>& trials, double dt) {
     if (trial.outcome != Outcome::kCaptured) continue;
     ++summary.completed;
     steps.push_back(static_cast<double>(trial.measures.steps));
-    if (trial.path_length > 0)
-      ratios.push_back(steps.back() / (trial.path_length / (kBestSpeed * dt)));
+    if (trial.path_length > 0) ratios.push_back(steps.back() / (trial.path_length / best_step));
   }
   summary.steps = median(steps);
   summary.ratio = median(ratios);
@@ -145,7 +145,9 @@ int run(const Options& options) {
   TrialsConfig config = options.trials;
   if (!options.world.empty()) config.world = threelink_sim::World::load(options.world);
   config.sampled = !options.mean && (options.sampled || policy.metadata().sampled);
-  print(options, summarise(run_trials(make, policy, config), dt));
+  const double fastest = threelink_sim::fastest_speed(policy.metadata().links);
+  const double best_speed = std::isnan(fastest) ? context.v_m : fastest;
+  print(options, summarise(run_trials(make, policy, config), best_speed * dt));
   return kSuccess;
 }
 
@@ -158,7 +160,9 @@ int main(int argc, char** argv) {
         "Plays many episodes of a task in one process. Episode e of seed S is the same, to the "
         "bit,\n"
         "as over topics. Medians are over the completed episodes, that of the final distance over\n"
-        "all; ratio = steps / (length of the way through the waypoints / (0.0129154 dt)).\n");
+        "all; ratio = steps / (length of the way through the waypoints / (v dt)), with v the\n"
+        "speed of the fastest stroke of so many links: 0.0129154 of three; of more than 8, or of\n"
+        "two, the policy's own.\n");
     app.add_option(
            "--task", options.task,
            "star (of any size and rotation, unless --parameters says which), point (distance\n"

@@ -56,7 +56,7 @@ struct Kernels {
   bool fused;       ///< fused multiply-add: bits agree with every other fused kernel
   void (*advance)(const AdvanceArgs&);
   void (*motion)(const MotionArgs&);
-  /// sine[i], cosine[i] of angle[i], i < n
+  /// sine[i], cosine[i] of angle[i], i < n; one of the results may overwrite the angles
   void (*sincos)(std::size_t n, const double* angle, double* sine, double* cosine);
   /// Of distances r [L] in (0, 30): weight[i] = tanh(r[i] / 0.1), log[i] = (ln r[i] + 4) / 2, i < n
   void (*distance)(std::size_t n, const double* r, double* weight, double* log);

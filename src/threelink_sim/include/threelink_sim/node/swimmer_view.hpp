@@ -18,6 +18,7 @@
 
 #include "threelink_sim/node/conversions.hpp"
 #include "threelink_sim/node/thinned_path.hpp"
+#include "threelink_sim/swimmer.hpp"
 
 namespace threelink_sim {
 
@@ -44,17 +45,19 @@ class SwimmerView {
   void draw();
 
  private:
-  /// Number of positions for the averages of speed and efficiency: about one period of the stroke.
-  static constexpr std::size_t kWindow = 71;
-  static constexpr std::size_t kTrail = 700;  ///< positions
+  static constexpr std::size_t kTrail = 700;   ///< positions
+  static constexpr std::size_t kSteady = 500;  ///< of them, in which the stroke is looked for
 
   struct Position {
     Eigen::Vector2d centroid;  ///< [L]
     double work;               ///< [C_perp L^3/T0] of the step that led here
+    HingeVector alpha;         ///< [rad]
   };
 
   void clear();
   void draw_markers();
+  // Positions over which speed and efficiency are taken: about one period of the stroke.
+  std::size_t window() const;
   std::string caption() const;
 
   SwimmerViewConfig config_;

@@ -10,7 +10,7 @@ import re
 
 import numpy as np
 
-from threelink_report.episode import read_episode
+from threelink_report.episode import SMOOTHING, read_episode
 
 from .experiments import PENALTIES
 
@@ -78,6 +78,7 @@ class Way:
     """A straight start towards theta_T = 0, with what threelink_report.episode.Motion needs."""
 
     gamma = 0.5
+    smoothing = SMOOTHING
     FAR = 1e9  # [L] a target in the direction theta_T = 0
 
     def __init__(self, rows):
