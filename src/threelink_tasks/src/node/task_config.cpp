@@ -26,7 +26,13 @@ threelink_sim::SimulatorConfig read_simulator(Parameters& parameters, std::strin
     parameters.refuse("simulator", "there are no parameters of a node " + resolved);
   Parameters of_simulator{ros::NodeHandle(resolved)};
   const auto config = threelink_sim::read_simulator_config(of_simulator);
-  yaml += "simulator:\n" + of_simulator.effective(kIndent);
+  // The bag holds the whole text of the world: a simulator that is still starting has only the name
+  // of a file there.
+  yaml += "simulator:\n";
+  const auto& world = config.environment.world;
+  for (const auto& [key, value] : of_simulator.effective_values())
+    yaml += fmt::format("{}{}: {}\n", kIndent, key,
+                        key == "world" && world ? threelink_sim::yaml_text(world->yaml()) : value);
   return config;
 }
 
