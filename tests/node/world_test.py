@@ -137,10 +137,11 @@ class WorldTest(unittest.TestCase):
                 self.assertEqual(proof.returncode, 1, proof.stdout)
                 self.assertIn(field, proof.stdout)
 
-    def test_equals_the_episode_in_one_process_with_each_instruction_set_to_the_bit(self):
+    def test_equals_the_episode_in_one_process_with_each_fused_instruction_set_to_the_bit(self):
         with open("/proc/cpuinfo") as file:
             flags = file.read()
-        for isa, flag in (("baseline", "sse2"), ("avx2", "avx2"), ("avx512", "avx512dq")):
+        # Without fused multiply-adds, `baseline`, the last bits may differ (docs/model.md).
+        for isa, flag in (("avx2", "avx2"), ("avx512", "avx512dq")):
             if flag not in flags:
                 continue
             with self.subTest(isa):
