@@ -1,3 +1,4 @@
+/// @file
 /// The paper's measures of a policy: speed, efficiency and success of navigation.
 ///
 /// kEvaluationSteps steps with the mean action towards theta_T = 0. The centroid's path is smoothed
@@ -26,6 +27,7 @@ namespace threelink_agent {
 /// Steps of an evaluation.
 constexpr int kEvaluationSteps = 1500;
 constexpr double kTranslationAngle = 2.5 * threelink_sim::kPi / 180;  ///< [rad]
+/// [steps] at the end of an evaluation, over which the measures are taken.
 constexpr int kSteadySteps = 500;
 /// [L/T0] A lower speed counts as stuck. It is less than 1 % of the optimum, 0.0129; the direction
 /// of such a path has no meaning.

@@ -1,3 +1,4 @@
+/// @file
 /// The two symmetries of the swimmer, applied to many observations and rates at once.
 ///
 /// Observation of N links, component k of sample i at [k * stride + i]:

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "threelink_sim/node/markers.hpp"
 #include "threelink_sim/node/topics.hpp"
 #include "threelink_sim/stroke_period.hpp"
 
@@ -23,15 +24,6 @@ constexpr double kTextOffset = 0.45;  // above the centroid
 // Heights keep the layers apart, seen from above.
 constexpr double kTrailZ = -0.02, kTargetZ = 0.0, kCentroidZ = 0.03, kTextZ = 0.06;
 constexpr double kFarAway = 1e6;  // [m] beyond, rviz's single precision is of no use
-
-std_msgs::ColorRGBA colour(double r, double g, double b, double a = 1.0) {
-  std_msgs::ColorRGBA result;
-  result.r = static_cast<float>(r);
-  result.g = static_cast<float>(g);
-  result.b = static_cast<float>(b);
-  result.a = static_cast<float>(a);
-  return result;
-}
 
 geometry_msgs::Point point(const Eigen::Vector2d& position, double z) {
   geometry_msgs::Point result;

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "threelink_sim/node/markers.hpp"
 #include "threelink_sim/node/topics.hpp"
 
 namespace threelink_sim {
@@ -18,15 +19,6 @@ constexpr double kArrow = 0.22;    // [L] length of the fastest one
 constexpr double kWallWidth = 0.02;
 constexpr double kGroundZ = -0.06, kFlowZ = -0.04, kForceZ = 0.05;  // [L]
 constexpr double kForceScale = 8;                                   // [L / (C_perp L^2/T0)]
-
-std_msgs::ColorRGBA colour(double r, double g, double b, double a = 1.0) {
-  std_msgs::ColorRGBA result;
-  result.r = static_cast<float>(r);
-  result.g = static_cast<float>(g);
-  result.b = static_cast<float>(b);
-  result.a = static_cast<float>(a);
-  return result;
-}
 
 // From slow, grey blue, to fast, orange.
 std_msgs::ColorRGBA colour_of_speed(double share) {

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <string>
 
+#include "threelink_sim/node/markers.hpp"
 #include "threelink_sim/node/topics.hpp"
 
 namespace threelink_tasks {
 namespace {
+
+using threelink_sim::colour;
 
 using visualization_msgs::Marker;
 
@@ -16,15 +19,6 @@ constexpr double kTextHeight = 0.04, kTextOffset = 0.05;
 constexpr double kZ = -0.03;  // below the trail
 // Beyond that rviz would be busy with nothing but numbers.
 constexpr std::size_t kMostNumbers = 200;
-
-std_msgs::ColorRGBA colour(float r, float g, float b, float a) {
-  std_msgs::ColorRGBA result;
-  result.r = r;
-  result.g = g;
-  result.b = b;
-  result.a = a;
-  return result;
-}
 
 }  // namespace
 
